@@ -82,8 +82,7 @@ impl Fitted {
         let beside: f64 = order::lines(&compiled).iter().filter_map(order::OrderLine::price).sum();
         let rough = || {
             let course = Course::new(&compiled.space.line).ok()?;
-            let pitch = compiled.length() / compiled.chain?.carts.max(1) as f64;
-            let value = action(&course, pitch).ok()?.value(PolygonObjective::All);
+            let value = action(&course, cart.length).ok()?.value(PolygonObjective::All);
             Some((value / (course.len() * course.len()) as f64).sqrt())
         };
         Fitted {

@@ -7,7 +7,7 @@ use super::refused::words;
 use super::tracks::{self, Track};
 use super::trade::{Measure, front};
 use crate::compiled::Compiled;
-use crate::model::{Layout, Objective};
+use crate::model::{Layout, Objective, Stands};
 use crate::solve::{Certificate, Counted, End, Options, Tell};
 
 /// One of them.
@@ -32,6 +32,8 @@ pub struct Best {
     pub value: f64,
     /// No layout on the grid has less; `None` where nothing is proven of this measure.
     pub bound: Option<f64>,
+    /// Whether it is known to be the best without a bound: every component was looked at, and no track matters.
+    pub proven: bool,
 }
 
 /// What was found.
@@ -47,6 +49,8 @@ pub struct Pareto {
     pub candidates: usize,
     /// A measure that none of them has.
     pub lacking: Option<Measure>,
+    /// Whether the time was up before all was done.
+    pub cut: bool,
 }
 
 /// Trades these measures. Components that the layout leaves open with `choose` are chosen in closed form, and do what is
@@ -70,10 +74,15 @@ pub fn pareto(layout: &Layout, measures: &[Measure], options: &Options, watch: T
     let row = |k: &usize| Some((*k, measures.iter().map(|m| m.of(&chosen, *k)).collect::<Option<Vec<f64>>>()?));
     let rows: Vec<(usize, Vec<f64>)> = chosen.order.iter().filter_map(row).collect();
     let missing = |m: &&Measure| !chosen.order.is_empty() && chosen.order.iter().all(|k| m.of(&chosen, *k).is_none());
+    // What stands where along the loop is then the same on every track, and so is what it takes.
+    let settled = !layout.equipment.declared.iter().any(|d| matches!(d.stands, Stands::Free { .. }))
+        && variants(&chosen) == asked
+        && options.stop.cut().is_none();
     let best = |i: usize, measure: Measure| {
         let values = rows.iter().map(|(_, values)| values[i]);
         let value = if measure.is_gain() { values.reduce(f64::max) } else { values.reduce(f64::min) };
         value.map(|value| Best {
+            proven: measure == Measure::Capacity && settled,
             value,
             bound: bound(&chosen, measure, asked).filter(|_| measure != Measure::Price || !open),
         })
@@ -99,10 +108,26 @@ pub fn pareto(layout: &Layout, measures: &[Measure], options: &Options, watch: T
         layouts: alike.iter().filter_map(traded).collect(),
         ends: measures.iter().enumerate().filter_map(|(i, m)| best(i, *m)).collect(),
         lacking: measures.iter().find(missing).copied(),
+        cut: options.stop.cut().is_some(),
         measures: measures.to_vec(),
         tracks: chosen.tracks.len(),
         candidates: rows.len(),
     })
+}
+
+/// How many of what was asked for have a track.
+fn variants(chosen: &Chosen) -> usize {
+    let mut seen: Vec<&Track> = Vec::new();
+    for track in &chosen.tracks {
+        let same = |other: &&Track| {
+            (other.radius, other.length, other.left_over) == (track.radius, track.length, track.left_over)
+                && other.counts == track.counts
+        };
+        if !seen.iter().any(same) {
+            seen.push(track);
+        }
+    }
+    seen.len()
 }
 
 /// What tracks have to be best in.

@@ -140,11 +140,13 @@ pub fn traded(layout: &Layout, ends: &[End], by_cart: bool, options: &Options, w
 }
 
 impl Track {
-    /// A track that was asked for so; none where the layout is not feasible, climbs where it may not, or has no room for
-    /// its equipment.
+    /// A track that was asked for so; none where the layout is not feasible, climbs where it may not, has a chain that does
+    /// not close as it has to, or no room for its equipment.
     fn new(asked: &Asked, compiled: Compiled, (objective, radii): (Objective, Option<End>)) -> Result<Self, NoTrack> {
         let unbuildable = compiled.heights.iter().any(crate::diagnostic::Diagnostic::is_error);
-        if compiled.failed() || unbuildable || !compiled.placement.is_whole() {
+        let within = compiled.layout.chain.closes_within.map(|within| within.value);
+        let closes = within.is_none_or(|within| compiled.chain.is_some_and(|fit| fit.is_within(within)));
+        if compiled.failed() || unbuildable || !closes || !compiled.placement.is_whole() {
             return Err(NoTrack { layout: Box::new(compiled.layout), stages: compiled.stages });
         }
         Ok(Track {

@@ -26,6 +26,9 @@ pub struct Pareto {
     /// Tracks that were found, and layouts on them that do what is required.
     pub tracks: usize,
     pub candidates: usize,
+    /// Whether the time limit ended the search of some.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub cut: bool,
     /// Outlines of the building, or of nothing, and of the obstacles, m: for the picture.
     #[serde(skip)]
     pub hall: Vec<Vec<Point>>,
@@ -55,7 +58,8 @@ pub struct Traded {
     pub element_count: usize,
     /// What its track is the best of, as far as is known, as a layout says it: `optimise cost + 120 * length`.
     pub objective: String,
-    /// Whose radii it keeps instead of those that are written: `shortest`, or `cheapest`.
+    /// Whose radii it keeps, and whose vertices it began with, instead of those that are written: `shortest`, `cheapest`
+    /// or `cheapest in all`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub radii_of: Option<&'static str>,
     /// What a metre counted beside the price when this layout was sought; absent where price did not count.
@@ -116,7 +120,11 @@ impl Traded {
             price_eur: normal(compiled.bill.price),
             element_count: compiled.bill.count,
             objective: objective_text(objective),
-            radii_of: traded.radii.map(|end| if end == solve::End::Length { "shortest" } else { "cheapest" }),
+            radii_of: traded.radii.map(|end| match end {
+                solve::End::Length => "shortest",
+                solve::End::TotalPrice => "cheapest in all",
+                solve::End::Cost | solve::End::PolygonAction => "cheapest",
+            }),
             eur_per_metre: objective.metre().map(normal),
             choice: traded.choice.clone(),
             proven: certificate.is_some_and(|c| c.proven),
@@ -136,7 +144,11 @@ impl Traded {
             (false, None) => "best found".to_owned(),
         };
         let objective = self.objective.strip_prefix("optimise ").unwrap_or(&self.objective);
-        let radii = self.radii_of.map_or_else(String::new, |whose| format!(", radii of the {whose}"));
+        let radii = match self.radii_of {
+            Some(whose) => format!(", radii of the {whose}"),
+            None if objective.starts_with("polygon_action within") => ", radii as written".to_owned(),
+            None => String::new(),
+        };
         (format!("{objective}{radii}"), how)
     }
 }
@@ -144,7 +156,7 @@ impl Traded {
 impl End {
     fn new(measure: Measure, best: &choose::pareto::Best) -> Self {
         // A bound of the price holds before it is rounded to the cent.
-        let proven = best.bound.is_some_and(|bound| best.value - bound <= measure.step());
+        let proven = best.proven || best.bound.is_some_and(|bound| best.value - bound <= measure.step());
         End { measure, value: normal(best.value), lower_bound: best.bound.map(normal), proven }
     }
 
@@ -172,6 +184,7 @@ impl Pareto {
             measures: found.measures.clone(),
             same_optimum: found.layouts.len() == 1,
             layouts: found.layouts.iter().map(Traded::new).collect(),
+            cut: found.cut,
             tracks: found.tracks,
             candidates: found.candidates,
         }
@@ -227,6 +240,9 @@ impl Pareto {
         }
         if self.layouts.iter().any(|traded| traded.choice.is_some()) {
             out += "  components are chosen in closed form; `lss choose` checks a choice in simulations, too\n";
+        }
+        if self.cut {
+            out += "  cut: time; these are the layouts so far, and more time may find better ones\n";
         }
         if self.same_optimum {
             out += "  one layout is the best found in all of these: there is nothing to trade\n";

@@ -11,6 +11,7 @@ mod findings;
 mod footprint;
 mod needs;
 mod search;
+mod sequence;
 mod shadow;
 mod task;
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! How much straight equipment needs on any track: what every placement has to have, whatever the track.
 
 use super::footprint::Line;
+use super::sequence::{Part, least_length};
 use crate::geometry::{Track, distance_to_segment};
 use crate::model::{ConstraintKind, Declared, EquipmentSide, EquipmentType, Layout, Stands};
 use crate::source::Span;
@@ -18,10 +19,10 @@ pub struct Need {
 type Member<'a> = (&'a Declared, (Vec<usize>, f64, f64));
 
 /// Footprints on one side of the track do not overlap, so that the straights of a side are no shorter in all than what has
-/// to stand on them, with the room between two and to curves. With n on k of m straights there are n − k gaps and 2 k ends;
-/// the least of that over k counts, which is at one end of its range. What chooses its side has both of each straight, and
-/// half of that is enough. One row for each set of straights that a declaration names. The written layout says which way
-/// the loop turns, as ever.
+/// to stand on them, with the room between two and to curves. On one straight that is the least over all orders that may
+/// be ([`least_length`]). With n on k of several straights there are n − k gaps and 2 k ends; the least of that over k
+/// counts. What chooses its side has both of each straight, and half of that is enough. One row for each set of straights
+/// that a declaration names. The written layout says which way the loop turns, as ever.
 pub fn needs(layout: &Layout, written: &Track) -> Vec<Need> {
     let all: Vec<usize> = (0..layout.vertices.len()).collect();
     let turned: f64 = written.fillets.iter().map(|f| f.turn).sum();
@@ -57,7 +58,11 @@ pub fn needs(layout: &Layout, written: &Track) -> Vec<Need> {
         for side in [0, 1] {
             let members: Vec<&Declared> =
                 within.iter().filter(|(_, (_, l, r))| [*l, *r][side] > 0.0).map(|(d, _)| *d).collect();
-            rows.push((side_by_side(&members, set.len()), members));
+            let low = match set[..] {
+                [section] => least_length(&parts(&members, is_split(layout, section))),
+                _ => side_by_side(&members, set.len()),
+            };
+            rows.push((low, members));
         }
         if within.iter().any(|(_, (_, l, r))| l + r == 0.0) {
             let members: Vec<&Declared> = within.iter().map(|(d, _)| *d).collect();
@@ -81,17 +86,46 @@ pub fn needs(layout: &Layout, written: &Track) -> Vec<Need> {
     needs
 }
 
-/// What equipment takes on so many sides of straights at least, m.
+/// Whether the loop begins in the middle of a section, so that what comes first may stand behind what comes last.
+fn is_split(layout: &Layout, section: usize) -> bool {
+    layout.equipment.start.is_some_and(|start| start.section == section && start.at > 1e-9)
+}
+
+/// What stands on one side of a straight, in the order that is asked for where it is not split.
+fn parts(members: &[&Declared], split: bool) -> Vec<Part> {
+    let names = |names: &[String], of: &Declared| names.contains(&of.name);
+    let precedes = |a: &Declared, b: &Declared| {
+        let after = matches!(&b.stands, Stands::Free { after, .. } if names(after, a));
+        after || matches!(&a.stands, Stands::Free { before, .. } if names(before, b))
+    };
+    let part = |own: &&Declared| Part {
+        count: own.count(),
+        stretch: own.of.stretch,
+        service: own.of.service,
+        from_curve: own.of.from_curve,
+        behind: (0..members.len()).filter(|k| !split && precedes(members[*k], own)).collect(),
+    };
+    members.iter().map(part).collect()
+}
+
+/// What equipment takes on so many sides of straights at least, m. Of the services of those on one straight, all but the
+/// least are kept ([`least_length`]).
 fn side_by_side(members: &[&Declared], sides: usize) -> f64 {
-    let n: usize = members.iter().map(|d| d.count()).sum();
-    if n == 0 {
+    let services: Vec<f64> = members.iter().flat_map(|d| std::iter::repeat_n(d.of.service, d.count())).collect();
+    if services.is_empty() {
         return 0.0;
     }
+    let mut largest = services.clone();
+    largest.sort_by(|a, b| b.total_cmp(a));
+    let all: f64 = services.iter().sum();
     let stretches: f64 = members.iter().map(|d| d.count() as f64 * d.of.stretch).sum();
     let least = |of: fn(&Declared) -> f64| members.iter().map(|d| of(d)).fold(f64::INFINITY, f64::min);
     let (service, from_curve) = (least(|d| d.of.service), least(|d| d.of.from_curve));
-    let between = |k: usize| (n - k) as f64 * service + 2.0 * from_curve * k as f64;
-    stretches + between(1).min(between(sides.min(n)))
+    let between = |k: usize| {
+        let gaps = (all - largest[..k].iter().sum::<f64>()).max((services.len() - k) as f64 * service);
+        gaps + 2.0 * from_curve * k as f64
+    };
+    stretches + (1..=sides.min(services.len())).map(between).fold(f64::INFINITY, f64::min)
 }
 
 /// The least length of a straight on which one more of a kind finds room on a side than on one of `length`, m.

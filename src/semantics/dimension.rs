@@ -1,5 +1,6 @@
 //! Dimensions and units. Quantities are SI inside; a unit is a factor and a dimension.
 
+use crate::base::number::tidy;
 use std::fmt;
 
 /// Exponents over length, mass, time, angle, currency and temperature, in steps of one half: a Hertzian contact has
@@ -214,6 +215,27 @@ const ALIASES: &[(&str, &str)] = &[
 pub fn meant(symbol: &str) -> Option<&'static str> {
     let same = symbols().find(|s| s.eq_ignore_ascii_case(symbol));
     same.or_else(|| ALIASES.iter().find(|(alias, _)| alias.eq_ignore_ascii_case(symbol)).map(|(_, unit)| *unit))
+}
+
+/// A number with a unit, in SI: `1.5 m/s`, `90deg`, `3`; `None` where it is none, or not finite.
+pub fn quantity(text: &str) -> Option<(f64, Dimension)> {
+    let text = text.trim();
+    let is_number = |c: char| c.is_ascii_digit() || "+-.".contains(c);
+    let mut end = text.find(|c: char| !is_number(c)).unwrap_or(text.len());
+    // An exponent, where digits follow.
+    let tail = &text[end..];
+    if let Some(rest) = tail.strip_prefix(['e', 'E']) {
+        let digits = rest.strip_prefix(['+', '-']).unwrap_or(rest);
+        let count = digits.bytes().take_while(u8::is_ascii_digit).count();
+        if count > 0 {
+            end += 1 + (rest.len() - digits.len()) + count;
+        }
+    }
+    let value: f64 = text[..end].parse().ok().filter(|x: &f64| x.is_finite())?;
+    match text[end..].trim() {
+        "" => Some((value, Dimension::NONE)),
+        unit => parse_unit(unit).ok().map(|unit| (tidy(value * unit.factor + unit.offset), unit.dimension)),
+    }
 }
 
 /// Why a unit cannot be understood.

@@ -51,6 +51,8 @@ pub struct Certificate {
     pub budget: Option<String>,
     /// Whether EUR are those of all that is ordered.
     pub in_all: bool,
+    /// What a proof may leave where rows hold to so much only, m or EUR.
+    pub held: f64,
 }
 
 /// What may be left between value and bound of a proof.
@@ -67,7 +69,26 @@ impl Certificate {
         let gap = if value > 0.0 { (value - lower_bound) / value } else { 0.0 };
         let whole = Part { chain: "loop".to_owned(), lower_bound, nodes, proven };
         let (parts, seconds, budget) = (vec![whole], 0.0, None);
-        Certificate { counted, value, lower_bound, gap, proven, nodes, parts, seconds, assumed, budget, in_all: false }
+        Certificate {
+            counted,
+            value,
+            lower_bound,
+            gap,
+            proven,
+            nodes,
+            parts,
+            seconds,
+            assumed,
+            budget,
+            in_all: false,
+            held: 0.0,
+        }
+    }
+
+    /// The same where rows hold to so much only, m or EUR.
+    #[must_use]
+    pub fn held_to(self, held: f64) -> Self {
+        Certificate { proven: self.proven || self.value - self.lower_bound <= held, held, ..self }
     }
 
     /// What it says of the price of all that is ordered: of this layout, and of others at least so much more than is
@@ -140,7 +161,11 @@ impl Certificate {
             (self.lower_bound, std::mem::take(&mut self.parts))
         };
         let assumed = std::mem::take(&mut self.assumed);
-        *self = Certificate { seconds, parts, ..Certificate::new(self.counted, self.value, bound, nodes, assumed) };
+        *self = Certificate {
+            seconds,
+            parts,
+            ..Certificate::new(self.counted, self.value, bound, nodes, assumed).held_to(self.held)
+        };
     }
 
     /// With a bound of another kind, where it is the better one, and what that takes for granted. One that the layout
@@ -153,7 +178,10 @@ impl Certificate {
             let mut words = std::mem::take(&mut self.assumed);
             words.push(assumed.to_owned());
             let parts = (self.parts.len() > 1).then(|| std::mem::take(&mut self.parts));
-            *self = Certificate { seconds, ..Self::new(self.counted, self.value, bound, self.nodes, words) };
+            *self = Certificate {
+                seconds,
+                ..Self::new(self.counted, self.value, bound, self.nodes, words).held_to(self.held)
+            };
             self.parts = parts.unwrap_or_else(|| std::mem::take(&mut self.parts));
         }
     }
@@ -170,6 +198,10 @@ impl Certificate {
             }
         }
         let parts = std::mem::take(&mut self.parts);
-        *self = Certificate { seconds, parts, ..Certificate::new(self.counted, self.value, bound, nodes, assumed) };
+        *self = Certificate {
+            seconds,
+            parts,
+            ..Certificate::new(self.counted, self.value, bound, nodes, assumed).held_to(self.held)
+        };
     }
 }

@@ -83,10 +83,15 @@ fn even(layout: &Layout, family: &[End], found: &[Trade], options: &Options, wat
         sought.extend(asked.then(|| (limited, None, layout.clone())));
         sought.extend(own.map(|(end, trade)| (limited, Some(end), moved(layout, trade))));
     }
-    let tasks: Vec<_> = sought.iter().flat_map(|of| BUDGETS.iter().map(move |ratio| (of, *ratio))).collect();
-    let found = parallel::map(&tasks, options.threads, |((limited, radii, layout), ratio)| {
-        let objective = smooth(layout, *limited, *ratio);
-        let found = (!options.stop.now()).then(|| trade(layout, objective, options, watch)).flatten();
+    let mut tasks: Vec<(Objective, Option<End>, &Layout)> = Vec::new();
+    for (limited, radii, layout) in &sought {
+        tasks.extend(BUDGETS.iter().map(|ratio| (smooth(layout, *limited, *ratio), *radii, layout)));
+    }
+    // Near what is written, and that itself.
+    tasks.push((objective(layout, End::PolygonAction), None, layout));
+    tasks.push((written(layout, Vec::new()), None, layout));
+    let found = parallel::map(&tasks, options.threads, |(objective, radii, layout)| {
+        let found = (!options.stop.now()).then(|| trade(layout, objective.clone(), options, watch)).flatten();
         found.map(|trade| Trade { radii: *radii, ..trade })
     });
     found.into_iter().flatten().collect()

@@ -2,8 +2,8 @@
 
 use super::place::{Place, State};
 use super::plan::Plan;
-use crate::base::number::{shortest, tidy};
-use crate::semantics::dimension::{Dimension, parse_unit};
+use crate::base::number::shortest;
+use crate::semantics::dimension::{Dimension, parse_unit, quantity};
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType};
 use parquet::errors::ParquetError;
@@ -227,27 +227,6 @@ fn parameter(key: &str, cells: &[Option<&str>]) -> Column {
         None => texts(),
     };
     Column { name: key.to_owned(), role: Role::Parameter, unit, cells }
-}
-
-/// A number with a unit, in SI: `1.5 m/s`, `90deg`, `3`.
-fn quantity(text: &str) -> Option<(f64, Dimension)> {
-    let text = text.trim();
-    let is_number = |c: char| c.is_ascii_digit() || "+-.".contains(c);
-    let mut end = text.find(|c: char| !is_number(c)).unwrap_or(text.len());
-    // An exponent, where digits follow.
-    let tail = &text[end..];
-    if let Some(rest) = tail.strip_prefix(['e', 'E']) {
-        let digits = rest.strip_prefix(['+', '-']).unwrap_or(rest);
-        let count = digits.bytes().take_while(u8::is_ascii_digit).count();
-        if count > 0 {
-            end += 1 + (rest.len() - digits.len()) + count;
-        }
-    }
-    let value: f64 = text[..end].parse().ok().filter(|x: &f64| x.is_finite())?;
-    match text[end..].trim() {
-        "" => Some((value, Dimension::NONE)),
-        unit => parse_unit(unit).ok().map(|unit| (tidy(value * unit.factor + unit.offset), unit.dimension)),
-    }
 }
 
 /// The SI unit of a dimension.

@@ -32,8 +32,7 @@ layout around {
 
 fn values(compiled: &Compiled) -> [f64; 3] {
     let course = Course::new(&compiled.space.line).expect("a course");
-    let pitch = compiled.length() / compiled.chain.expect("a chain").carts as f64;
-    let all = action(&course, pitch).expect("polygon action").value(PolygonObjective::All);
+    let all = action(&course, compiled.layout.cart.length).expect("polygon action").value(PolygonObjective::All);
     [compiled.length(), order::total(compiled).all, 1e3 * (all / (course.len() * course.len()) as f64).sqrt()]
 }
 

@@ -6,13 +6,12 @@ pub mod report;
 
 use super::{MessageFormat, Outcome, OutputFormat, could_not, read};
 use crate::base::json;
-use crate::base::number::tidy;
 use crate::chain_input::{ContactLaw, Simulation};
 use crate::dynamics::{self, End, Method, Plan, Width, parameters};
 use crate::effects;
 use crate::emit::Files;
 use crate::report::lap;
-use crate::semantics::dimension::parse_unit;
+use crate::semantics::dimension::{Dimension, quantity};
 use crate::semantics::given::GivenLet;
 use crate::signal::{csv, parquet};
 use clap::ValueEnum;
@@ -40,19 +39,19 @@ pub struct Simulate {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=10_000))]
     laps: u64,
     /// Time before recording: 30s.
-    #[arg(long, value_name = "TIME", default_value = "30s", value_parser = quantity::<'s'>)]
+    #[arg(long, value_name = "TIME", default_value = "30s", value_parser = amount::<'s'>)]
     settle: f64,
     /// Speed of the chain: 2.0m/s.
-    #[arg(long, value_name = "SPEED", value_parser = quantity::<'v'>)]
+    #[arg(long, value_name = "SPEED", value_parser = amount::<'v'>)]
     speed: Option<f64>,
     /// Tension of the chain on its centre line: 500N.
-    #[arg(long, value_name = "FORCE", allow_hyphen_values = true, value_parser = quantity::<'N'>)]
+    #[arg(long, value_name = "FORCE", allow_hyphen_values = true, value_parser = amount::<'N'>)]
     tension: Option<f64>,
     /// Damping law of every contact.
     #[arg(long, value_enum, value_name = "NAME")]
     law: Option<ContactLaw>,
     /// Largest time step: 0.5ms. As the joints' damping bounds it when not given.
-    #[arg(long, value_name = "TIME", value_parser = quantity::<'s'>)]
+    #[arg(long, value_name = "TIME", value_parser = amount::<'s'>)]
     step: Option<f64>,
     /// Time integration.
     #[arg(long, value_enum, value_name = "NAME", default_value_t)]
@@ -185,27 +184,17 @@ impl Simulate {
 }
 
 /// A number with an optional unit of the language: of time (`s`), speed (`v`) or force (`N`), to SI.
-fn quantity<const KIND: char>(text: &str) -> Result<f64, String> {
-    let (si, example) = match KIND {
-        's' => ("s", "30s"),
-        'v' => ("m/s", "2.0m/s"),
-        _ => ("N", "500N"),
+fn amount<const KIND: char>(text: &str) -> Result<f64, String> {
+    let (asked, example) = match KIND {
+        's' => (Dimension::TIME, "30s"),
+        'v' => (Dimension::SPEED, "2.0m/s"),
+        _ => (Dimension::FORCE, "500N"),
     };
-    let text = text.trim();
-    let (digits, unit) = text.split_at(text.rfind(|c: char| c.is_ascii_digit() || c == '.').map_or(0, |at| at + 1));
-    // What ends with a digit has no unit, such as an exponent; of a unit that ends so, none is of these dimensions.
-    let scale = match unit.trim() {
-        "" => Some(1.0),
-        // Shorter than a unit of the language.
-        "us" if KIND == 's' => Some(1e-6),
-        unit => {
-            let own = parse_unit(unit).ok().filter(|own| own.offset == 0.0);
-            own.filter(|own| parse_unit(si).is_ok_and(|si| si.dimension == own.dimension)).map(|own| own.factor)
-        }
-    };
+    // What a keyboard has for a unit of the language.
+    let micro = text.trim().strip_suffix("us").filter(|_| KIND == 's').map(|digits| format!("{digits}µs"));
     let least = if KIND == 'N' { f64::NEG_INFINITY } else { 0.0 };
-    match (digits.trim().parse::<f64>(), scale) {
-        (Ok(value), Some(scale)) if value.is_finite() && value >= least => Ok(tidy(value * scale)),
+    match quantity(micro.as_deref().unwrap_or(text)) {
+        Some((value, dimension)) if value >= least && (dimension == asked || dimension == Dimension::NONE) => Ok(value),
         _ => Err(format!("{text} is not a quantity such as {example}")),
     }
 }

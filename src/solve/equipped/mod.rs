@@ -34,8 +34,9 @@ use shorter::Halved;
 
 /// Most tracks that are solved, beside the first.
 const MOST_TRACKS: usize = 240;
-/// Of the nodes of the first track's search, each other one has this part; all others together have as many as the first.
+/// Of the nodes of the first track's search, each other one has this part; all others together have so many times as many.
 const PART: usize = 4;
+const OTHERS: usize = 2;
 /// Of so many straights at most two are made longer at once, the second by a share of what the first is.
 const MOST_PAIRED: usize = 6;
 const SHARES: [f64; 3] = [0.25, 0.5, 0.75];
@@ -140,7 +141,8 @@ impl<'a> Search<'a> {
                 open.extend(self.split(&next, counted, track, &lengths));
                 continue;
             }
-            let spent = tracks > 0 && self.nodes - first >= first.max(1000) && self.nodes > self.options.effort.nodes;
+            let others = (OTHERS * first).max(1000);
+            let spent = tracks > 0 && self.nodes - first >= others && self.nodes > self.options.effort.nodes;
             if tracks > MOST_TRACKS || spent || (tracks > 0 && self.options.stop.now()) {
                 self.close(&next, next.bound);
                 continue;
@@ -162,6 +164,7 @@ impl<'a> Search<'a> {
             if tracks == 1 {
                 first = self.nodes;
                 self.keep_written(&stages, &certificate);
+                self.keep_shortest(&certificate);
             }
             for words in &certificate.assumed {
                 if !assumed.contains(words) {
@@ -171,6 +174,7 @@ impl<'a> Search<'a> {
             let track = Track::new(&last.corners);
             let mut placement = placement::place(&layout, &track);
             let mut next = next;
+            next.bound = next.bound.max(self.bound(&next, counted, certificate.lower_bound));
             let mut longer = (Vec::new(), true);
             if !placement.is_whole() {
                 longer = self.longer(&next, &track, &placement);
@@ -182,7 +186,6 @@ impl<'a> Search<'a> {
                 }
             }
             let lacking: usize = placement.missing.iter().map(|(_, n)| n).sum();
-            next.bound = next.bound.max(self.bound(&next, counted, certificate.lower_bound));
             self.keep(&layout, stages, &certificate, &placement, lacking);
             let least = self.best.as_ref().filter(|best| best.lacking == 0).map_or(f64::INFINITY, |best| best.value);
             open.extend(next.shorter(lacking == 0, least));
@@ -337,6 +340,23 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// Takes the shortest layout with room for everything, where it is a price that counts: a first one to be better than.
+    fn keep_shortest(&mut self, certificate: &Certificate) {
+        let Counted::Price { metre } = certificate.counted else { return };
+        let span = self.layout.objective.span;
+        let objective = Objective { terms: vec![(1.0, Goal::Length)], span, ..Objective::default() };
+        let layout = Layout { objective, ..self.layout.clone() };
+        let effort = Effort { nodes: self.options.effort.nodes / PART, class: false, ..self.options.effort };
+        let options = Options { effort, ..*self.options };
+        let stages = Search::new(&layout, &options, self.watch).run();
+        let Some(last) = stages.last().filter(|last| last.status != Status::Infeasible) else { return };
+        let track = Track::new(&last.corners);
+        let (placement, value) = (placement::place(self.layout, &track), exact::worth(self.layout, &track, metre));
+        if placement.is_whole() && value.is_finite() {
+            self.keep(self.layout, stages, &Certificate { value, ..certificate.clone() }, &placement, 0);
+        }
+    }
+
     /// Takes the written layout if it meets every row, is of the catalogue, closes as asked and has room for everything.
     fn keep_written(&mut self, stages: &[Stage], certificate: &Certificate) {
         let problem = Problem::new(self.layout, Scope::Obstacles);
@@ -413,7 +433,7 @@ impl<'a> Search<'a> {
     fn finish(self, counted: Counted, mut assumed: Vec<String>) -> Vec<Stage> {
         let Some(Whole { mut stages, lacking, value }) = self.best else { return Vec::new() };
         let Some(last) = stages.last_mut().filter(|_| lacking == 0) else { return stages };
-        let seconds = last.certificate.as_ref().map_or(0.0, |c| c.seconds);
+        let (seconds, held) = last.certificate.as_ref().map_or((0.0, 0.0), |c| (c.seconds, c.held));
         assumed.push(match counted {
             // The price of all that is ordered is counted when the layout is compiled.
             Counted::Price { .. } if !self.layout.objective.total_price => {
@@ -421,7 +441,7 @@ impl<'a> Search<'a> {
             }
             Counted::Length | Counted::Price { .. } => "equipment has room on the track".to_owned(),
         });
-        let certificate = Certificate::new(counted, value, self.closed.min(value), self.nodes, assumed);
+        let certificate = Certificate::new(counted, value, self.closed.min(value), self.nodes, assumed).held_to(held);
         if matches!(last.status, Status::Proven | Status::BestFound | Status::Local) {
             last.status = if certificate.proven { Status::Proven } else { Status::BestFound };
         }

@@ -1,5 +1,6 @@
 //! A whole number of carts: how much longer a layout has to be for its chain to close.
 
+use super::cut::{Leeway, coupling, cut, leeway};
 use super::grid::track;
 use crate::elements::{self, Space};
 use crate::geometry::{CentreLine, Track};
@@ -16,10 +17,20 @@ pub struct Closes<'a> {
     pub within: f64,
 }
 
+/// How far a track is from the lengths that close, m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Off {
+    /// By how much it has to be longer, and by how much shorter; 0 where it closes.
+    pub longer: f64,
+    pub shorter: f64,
+    /// How far each of these may be off.
+    pub unsure: (f64, f64),
+}
+
 /// A left-over that exceeds the take-up by less does not, m.
 const EXACT: f64 = 1e-6;
 /// How often a layout is stretched anew because stretching moves the joints on its curves.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 10;
 /// What curves cut off, against the first term of its series θL²/(24R) (design: chain model), at least and at most.
 const CUT: (f64, f64) = (0.9, 1.1);
 
@@ -38,32 +49,77 @@ impl<'a> Closes<'a> {
 
     /// What a track lacks to the next length that closes, m; 0 when it does. `None` when no chain fits at all.
     pub fn lack(&self, track: &Track) -> Option<f64> {
-        self.off(track).map(|(longer, _)| longer)
+        self.off(track).map(|off| off.longer)
     }
 
-    /// By how much a track has to be longer to close, and by how much shorter, m; both 0 when it does.
-    pub fn off(&self, track: &Track) -> Option<(f64, f64)> {
-        let left = fit(&self.line(track), self.pitch)?.left_over;
-        if left.abs() <= self.within + EXACT {
-            return Some((0.0, 0.0));
+    /// How far a track is from the lengths that close, with the same turns and radii. `None` when no chain fits at all.
+    pub fn off(&self, track: &Track) -> Option<Off> {
+        let now = fit(&self.line(track), self.pitch)?;
+        if now.left_over.abs() <= self.within + EXACT {
+            return Some(Off::default());
         }
-        let (longer, shorter) = if left < 0.0 { (-left, self.pitch + left) } else { (self.pitch - left, left) };
-        Some((longer - self.within, shorter - self.within))
+        let carts = now.carts as f64;
+        let (more, fewer) = if now.left_over < 0.0 { (carts, carts - 1.0) } else { (carts + 1.0, carts) };
+        // Chords of another pitch cut off more or less.
+        let cut = |carts: f64, left: f64| match self.layout.levels.is_empty() {
+            true => cut(track, self.pitch + left / carts),
+            false => (0.0, 0.0),
+        };
+        let from = (carts * self.pitch + now.left_over, cut(carts, now.left_over).0);
+        let change = |carts: f64, left: f64| {
+            let (to, share) = cut(carts, left);
+            (carts * self.pitch + left - from.0 + to - from.1, share * (to - from.1).abs())
+        };
+        let (longer, shorter) = (change(more, -self.within), change(fewer, self.within));
+        let coupling = self.coupling(track);
+        Some(Off { longer: longer.0, shorter: -shorter.0, unsure: (longer.1 + coupling, shorter.1 + coupling) })
     }
 
-    /// A layout with the same turns and radii, longer by no more than it takes.
+    /// How well what a chain leaves over is known of a track from its curves alone, m.
+    pub fn coupling(&self, track: &Track) -> f64 {
+        coupling(track, self.pitch)
+    }
+
+    /// By how much a closed track may be shorter and still close with as many carts, m.
+    fn spare(&self, track: &Track) -> f64 {
+        fit(&self.line(track), self.pitch).map_or(0.0, |fit| fit.left_over + self.within)
+    }
+
+    /// A layout with the same turns and radii that closes, longer by no more than it takes: straights between curves that
+    /// are near each other change what these cut off, so that what was lacking may be too much.
     pub fn stretch(&self, x: &[f64], polish: &Polish) -> Option<Vec<f64>> {
-        let mut x = x.to_vec();
+        let (mut x, mut closed) = (x.to_vec(), None);
+        let straights = |at: &Track| (0..at.corners.len()).map(|i| at.straight(i).length).sum::<f64>();
+        let least = straights(&track(&x));
+        let mut best = f64::INFINITY;
         for _ in 0..ROUNDS {
             let at = track(&x);
-            let lack = self.lack(&at)?;
-            if lack == 0.0 {
-                return Some(x);
+            let (Some(lack), all) = (self.lack(&at), straights(&at)) else { break };
+            let next = match lack {
+                0.0 => {
+                    if all < best {
+                        (best, closed) = (all, Some(x.clone()));
+                    }
+                    all - self.spare(&at)
+                }
+                lack => all + lack,
+            };
+            if next < least || (lack == 0.0 && all - next <= EXACT) || next >= best {
+                break;
             }
-            let straights: f64 = (0..at.corners.len()).map(|i| at.straight(i).length).sum();
-            x = polish(&x, Some(straights + lack))?;
+            let Some(polished) = polish(&x, Some(next)) else { break };
+            x = polished;
         }
-        None
+        closed
+    }
+
+    /// By how much more and less curves may cut off than on this track, where its straights have other lengths between
+    /// these, m, by section. Of tracks with heights nothing is known, and none is told.
+    pub fn leeway(&self, track: &Track, straights: &[(f64, f64)]) -> Leeway {
+        match self.layout.levels.is_empty() {
+            true => leeway(track, self.pitch, straights),
+            false => Leeway::default(),
+        }
     }
 
     /// The least length from `bound` on at which a chain can close, whatever the turns and radii, m.

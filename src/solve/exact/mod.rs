@@ -12,6 +12,7 @@ mod beside;
 mod choice;
 mod class;
 mod closes;
+mod cut;
 mod enclosing;
 mod grid;
 mod master;
@@ -101,10 +102,14 @@ pub fn discretise(
             Aim::Length => task.closing(&grid, found, closes),
             Aim::Price { .. } => task.closing_cheaply(&grid, found, closes),
         };
-        assumed.push("curves cut off chords as their series says, within a tenth".to_owned());
-        assumed.push(
-            "with turns and radii chosen, no length closes between one and the next that was found to".to_owned(),
-        );
+        assumed.push(match layout.levels.is_empty() {
+            true => {
+                "what curves near each other cut off in common is as its series says, within (c/R)² of it".to_owned()
+            }
+            false => {
+                "with turns and radii chosen, no length closes between one and the next that was found to".to_owned()
+            }
+        });
     }
     let Some(variables) = found.variables else {
         // Nothing was put aside undecided, and the grid lies as it must.
@@ -119,6 +124,11 @@ pub fn discretise(
     // Converted to EUR, a bound is rounded once more.
     let bound = if aim == Aim::Length { found.bound } else { found.bound * unit * (1.0 - 4.0 * f64::EPSILON) };
     let mut certificate = Certificate::new(counted, found.value * unit, bound, found.nodes, assumed);
+    if let Some(closes) = Closes::new(layout) {
+        // What a chain leaves over is the mean over its phases, which curves together change by so much.
+        let known = closes.coupling(&track(&variables));
+        certificate = certificate.held_to(3.0 * known * unit * tariff::least_rate(layout, aim));
+    }
     let name = |stage: usize| layout.vertices[grid.vertex(stage % grid.len())].name.as_str();
     certificate.parts = certificate.of_chains(found.parts.iter().map(|chain| {
         let chain_name = format!("{}..{}", name(chain.from), name(chain.to));

@@ -72,6 +72,12 @@ impl Touch {
 }
 
 impl GridRow {
+    /// Whether nothing but lengths of straights counts.
+    pub fn is_of_straights(&self) -> bool {
+        let places = self.at.is_empty() && self.length.is_empty() && self.touch.is_empty();
+        places && [self.into.len(), self.out.len(), self.normal.len(), self.radius.len()] == [0; 4]
+    }
+
     /// The same function with the opposite sign, `>= low`.
     fn negated(&self, low: f64) -> GridRow {
         let scalars = |list: &[(usize, f64)]| list.iter().map(|&(k, a)| (k, -a)).collect();

@@ -2,14 +2,14 @@
 
 use super::alternative::{Alternative, Decided, Remedy};
 use super::beside::Beside;
-use super::closes::Closes;
+use super::closes::{Closes, Off};
 use super::grid::Grid;
 use super::master::{Pool, relax};
 use super::network::Limits;
 use super::row::GridRow;
 use super::tariff::{Tariff, on_hull};
 use super::told::Told;
-use crate::geometry::{Corner, Point};
+use crate::geometry::{Corner, Point, Track};
 use crate::model::TOLERANCE;
 use crate::problem::measures::to_variables;
 use crate::problem::{Function, Problem, RowKey};
@@ -97,6 +97,26 @@ struct Node {
     rows: Vec<GridRow>,
     decided: Vec<Decided>,
     pool: Pool,
+}
+
+impl Node {
+    /// What straights lie between, m, by stage: within these limits, as far as rows of a single straight say.
+    fn straights(&self, limits: &[(f64, f64)]) -> Vec<(f64, f64)> {
+        let mut within = limits.to_vec();
+        for row in &self.rows {
+            if let ([(k, weight)], true) = (row.straight.as_slice(), row.is_of_straights()) {
+                let bound = row.low / weight;
+                let own = &mut within[*k];
+                if *weight > 0.0 || row.equal {
+                    own.0 = own.0.max(bound);
+                }
+                if *weight < 0.0 || row.equal {
+                    own.1 = own.1.min(bound);
+                }
+            }
+        }
+        within
+    }
 }
 
 impl Ord for Node {
@@ -377,6 +397,40 @@ impl Search<'_> {
         }
     }
 
+    /// By how much longer and by how much shorter straights have to be in all for the chain to close, m, with turns and
+    /// radii chosen. Where curves near each other may cut off so much more or less that this says little, the straight
+    /// between them is parted, and where it says nothing the node keeps its bound; nothing is returned then.
+    fn apart(&mut self, node: &Node, track: &Track, choice: &Choice, off: Off) -> Option<(f64, f64)> {
+        let (grid, closes) = (self.setting.grid, self.setting.closes?);
+        let within = node.straights(&self.setting.limits.straights);
+        let by_section: Vec<(f64, f64)> = (0..grid.len()).map(|i| within[grid.stage(i)]).collect();
+        let leeway = closes.leeway(track, &by_section);
+        let (longer, shorter) = (off.longer - leeway.less - off.unsure.0, off.shorter - leeway.more - off.unsure.1);
+        let fine = 0.1 * closes.coupling(track);
+        let says_much = |needed: f64, leeway: f64| leeway < fine || leeway < 0.5 * needed;
+        if says_much(off.longer, leeway.less) && says_much(off.shorter, leeway.more) {
+            if longer.min(shorter) <= FEASIBLE {
+                self.undecided(node);
+                return None;
+            }
+            return Some((longer, shorter));
+        }
+        let section = leeway.section.map(|section| grid.stage(section));
+        let room = |k: &usize| (within[*k].0.max(0.0), within[*k].1.min(closes.pitch));
+        let Some(k) = section.filter(|k| room(k).1 - room(k).0 > FEASIBLE) else {
+            self.undecided(node);
+            return None;
+        };
+        // At the layout at hand, near which the least lies, unless that leaves nearly all of it whole.
+        let ((low, high), at) = (room(&k), choice.straights[k]);
+        let margin = 0.1 * (high - low);
+        let at = if at - low < margin || high - at < margin { 0.5 * (low + high) } else { at };
+        for (sign, low) in [(1.0, at), (-1.0, -at)] {
+            self.push(node, |c| c.rows.push(GridRow { straight: vec![(k, sign)], low, ..GridRow::default() }));
+        }
+        None
+    }
+
     /// The relaxation is a layout: accept it, or branch on what it lacks.
     fn settle(&mut self, node: Node, choice: Choice) {
         let (grid, problem) = (self.setting.grid, self.setting.problem);
@@ -422,8 +476,8 @@ impl Search<'_> {
         }
         let crosses = || self.setting.coupled.is_none() && !problem.crossings(&at.track).is_empty();
         let clean = violated.is_empty() && !crosses();
-        let off = self.setting.closes.map_or(Some((0.0, 0.0)), |c| c.off(&at.track)).filter(|_| clean);
-        let lack = off.map(|(longer, _)| longer);
+        let off = self.setting.closes.map_or(Some(Off::default()), |c| c.off(&at.track)).filter(|_| clean);
+        let lack = off.map(|off| off.longer);
         let total = || (0..grid.len()).map(|k| at.track.straight(k).length).sum::<f64>();
         let counted = !self.setting.limits.tariff.cells.is_empty();
         let better = match lack {
@@ -446,9 +500,12 @@ impl Search<'_> {
             }
         }
         let settled = || node.open.settled() && node.open.radii.iter().all(|(from, to)| from == to);
-        if let Some((longer, shorter)) = off.filter(|off| counted && off.0 > 0.0 && settled()) {
+        if let Some(off) = off.filter(|off| counted && off.longer > 0.0 && settled()) {
             // What closes is longer or shorter than this, and either may cost less.
-            return self.part_lengths(&node, total() + longer, total() - shorter);
+            if let Some((longer, shorter)) = self.apart(&node, &at.track, &choice, off) {
+                self.part_lengths(&node, total() + longer, total() - shorter);
+            }
+            return;
         }
         if counted && clean && node.bound < self.cutoff() {
             // The pieces of some straight cost more than their bound.
@@ -478,10 +535,12 @@ impl Search<'_> {
             return;
         }
         // What closes at another length has other straights; what costs more than its bound may have any.
-        if let Some(lack) = lack.filter(|_| !counted) {
-            let straight = (0..grid.len()).map(|k| (k, 1.0)).collect();
-            let low = total() + lack - 0.1 * FEASIBLE;
-            self.push(&node, |c| c.rows.push(GridRow { straight, low, ..GridRow::default() }));
+        if let Some(off) = off.filter(|_| !counted) {
+            if let Some((longer, _)) = self.apart(&node, &at.track, &choice, off) {
+                let straight = (0..grid.len()).map(|k| (k, 1.0)).collect();
+                let low = total() + longer - 0.1 * FEASIBLE;
+                self.push(&node, |c| c.rows.push(GridRow { straight, low, ..GridRow::default() }));
+            }
             return;
         }
         self.undecided(&node);
