@@ -62,7 +62,21 @@ pub fn reached(sorter: Option<&Sorter>, required: &RequiredCapacity) -> Option<D
         asked,
         format!("{} {most}{of}, limited by {}", most_words(sorter, &found), limit_words(sorter, found.limit)),
     );
-    Some(diagnostic.help(way_out(found.limit, sorter.speed * least / found.throughput)))
+    let speed = sorter.speed * least / found.throughput;
+    Some(diagnostic.help(format!("{}{}", way_out(found.limit, speed), next_limit(sorter, &found, speed, least))))
+}
+
+/// What holds a sorter back at that speed, m/s, if it then still takes less than it has to.
+fn next_limit(sorter: &Sorter, found: &Bound, speed: f64, least: f64) -> String {
+    let faster = Sorter { speed, ..sorter.clone() };
+    match bound(&faster, faster.proportions().as_deref()) {
+        Some(next) if matches!(found.limit, Limit::Stretch(_)) && next.throughput < least * (1.0 - 1e-9) => format!(
+            "; with carriers enough it takes {} an hour, limited by {}",
+            fixed(next.throughput, 0),
+            limit_words(&faster, next.limit)
+        ),
+        _ => String::new(),
+    }
 }
 
 /// What to do about what limits a sorter; carriers are enough at `speed`, m/s.

@@ -1,12 +1,13 @@
 //! Layouts that no other one beats in two or three measures: tracks that trade what a track decides, and on them whatever
 //! components the layout leaves open.
 
-use super::candidate::{Candidate, Requirement};
+use super::candidate::{Candidate, Requirement, sensor_price};
+use super::drive::{Resistance, Thrust};
 use super::find::{self, Chosen, TooMany};
 use super::refused::words;
 use super::tracks::{self, Track};
 use super::trade::{Measure, front};
-use crate::compiled::Compiled;
+use crate::compiled::{Compiled, order};
 use crate::model::{Layout, Objective, Stands};
 use crate::solve::{Certificate, Counted, End, Options, Tell};
 
@@ -63,7 +64,12 @@ pub fn pareto(layout: &Layout, measures: &[Measure], options: &Options, watch: T
     let by_cart = open && measures.iter().any(|m| matches!(m, Measure::Price | Measure::Smoothness));
     let asked = tracks::asked(layout, by_cart).len();
     find::few_enough(layout, asked)?;
-    let tracks = tracks::traded(layout, &ends(measures), by_cart, options, watch);
+    let mut ends = ends(measures);
+    if open && measures.contains(&Measure::Price) && !ends.contains(&End::Length) {
+        // How many motors a track needs at least hangs on its length.
+        ends.push(End::Length);
+    }
+    let tracks = tracks::traded(layout, &ends, by_cart, options, watch);
     let fitted = find::fitted(layout, &tracks, options.threads);
     let candidates = find::candidates(layout, &tracks, &fitted, None);
     // What only a choice has to do is not asked of components that are as written.
@@ -81,10 +87,12 @@ pub fn pareto(layout: &Layout, measures: &[Measure], options: &Options, watch: T
     let best = |i: usize, measure: Measure| {
         let values = rows.iter().map(|(_, values)| values[i]);
         let value = if measure.is_gain() { values.reduce(f64::max) } else { values.reduce(f64::min) };
+        let most =
+            || chosen.candidates.iter().filter_map(|c| Some(c.capacity.as_ref()?.throughput)).fold(0.0, f64::max);
         value.map(|value| Best {
-            proven: measure == Measure::Capacity && settled,
+            proven: measure == Measure::Capacity && settled && value >= most(),
             value,
-            bound: bound(&chosen, measure, asked).filter(|_| measure != Measure::Price || !open),
+            bound: bound(&chosen, measure, asked, settled),
         })
     };
     let gains = measures.iter().map(|m| m.is_gain()).collect();
@@ -115,15 +123,16 @@ pub fn pareto(layout: &Layout, measures: &[Measure], options: &Options, watch: T
     })
 }
 
+/// Whether two tracks are of the same components and numbers.
+fn is_same(a: &Track, b: &Track) -> bool {
+    (a.radius, a.length, a.left_over) == (b.radius, b.length, b.left_over) && a.counts == b.counts
+}
+
 /// How many of what was asked for have a track.
 fn variants(chosen: &Chosen) -> usize {
     let mut seen: Vec<&Track> = Vec::new();
     for track in &chosen.tracks {
-        let same = |other: &&Track| {
-            (other.radius, other.length, other.left_over) == (track.radius, track.length, track.left_over)
-                && other.counts == track.counts
-        };
-        if !seen.iter().any(same) {
+        if !seen.iter().any(|other| is_same(other, track)) {
             seen.push(track);
         }
     }
@@ -154,19 +163,100 @@ fn ends(measures: &[Measure]) -> Vec<End> {
 }
 
 /// What no layout on the grid has less of, as far as is proven: the least of what is proven of each track that is asked
-/// for. A price is proven with the components that are written only.
-fn bound(chosen: &Chosen, measure: Measure, asked: usize) -> Option<f64> {
+/// for. `settled`: whether what a sorter takes is the same on every track.
+fn bound(chosen: &Chosen, measure: Measure, asked: usize, settled: bool) -> Option<f64> {
     let is_end = |c: &Certificate| match measure {
-        Measure::Length | Measure::Footprint => c.counted == Counted::Length,
+        Measure::Length | Measure::Footprint | Measure::Energy => c.counted == Counted::Length,
         Measure::Cost => c.counted == (Counted::Price { metre: 0.0 }) && !c.in_all,
         Measure::Price => c.in_all,
-        Measure::Capacity | Measure::Smoothness | Measure::Energy => false,
+        Measure::Capacity | Measure::Smoothness => false,
     };
-    let of = |track: &Track| {
-        let certificate = track.compiled.stages.last()?.certificate.as_ref()?;
-        (certificate.budget.is_none() && is_end(certificate)).then_some(certificate.lower_bound)
+    let of = |(index, track): (usize, &Track)| {
+        let least = proven(track, &is_end)?;
+        match measure {
+            Measure::Footprint => Some(least * chosen.layout.width.value),
+            Measure::Energy => least_energy(chosen, index, least, settled),
+            Measure::Price if chosen.layout.choice.is_open() => least_price(chosen, index, least, settled),
+            _ => Some(least),
+        }
     };
-    let bounds: Vec<f64> = chosen.tracks.iter().filter_map(of).collect();
-    let least = bounds.iter().copied().reduce(f64::min).filter(|_| bounds.len() == asked)?;
-    Some(if measure == Measure::Footprint { least * chosen.layout.width.value } else { least })
+    let bounds: Vec<f64> = chosen.tracks.iter().enumerate().filter_map(of).collect();
+    bounds.iter().copied().reduce(f64::min).filter(|_| bounds.len() == asked)
+}
+
+/// What a track's certificate says, if it is such a one.
+fn proven(track: &Track, is_such: &dyn Fn(&Certificate) -> bool) -> Option<f64> {
+    let certificate = track.compiled.stages.last()?.certificate.as_ref()?;
+    (certificate.budget.is_none() && is_such(certificate)).then_some(certificate.lower_bound)
+}
+
+/// What the components that may be tried on a track, and do what is required whatever the track, cost at least on any
+/// track, EUR, where none is cheaper than `least` with those that are written. Fewer carts need fewer motors: as many fewer
+/// as the shortest track has. `None` where carts of this length have several prices, and on different heights.
+fn least_price(chosen: &Chosen, index: usize, least: f64, settled: bool) -> Option<f64> {
+    let track = &chosen.tracks[index];
+    let layout = &track.compiled.layout;
+    let shortest = chosen.tracks.iter().filter(|other| is_same(other, track));
+    let shortest = shortest.filter_map(|other| proven(other, &|c| c.counted == Counted::Length)).next()?;
+    let fitted: Vec<usize> = (0..chosen.fitted.len()).filter(|f| chosen.fitted[*f].track == index).collect();
+    let [fitted] = fitted[..] else { return None };
+    let on = &chosen.fitted[fitted];
+    if !layout.levels.is_empty() {
+        return None;
+    }
+    let own = order::total(&track.compiled).all - on.price;
+    let cheapest = |prices: &mut dyn Iterator<Item = f64>| prices.reduce(f64::min).unwrap_or(0.0);
+    let choice = &chosen.layout.choice;
+    let sensors = 0..choice.sensors.len();
+    let beside = cheapest(&mut choice.take_ups.iter().map(|free| free.item.article.cost()))
+        + cheapest(&mut sensors.map(|k| sensor_price(&chosen.layout, k)));
+    let carts = fewest_carts(layout, shortest) / on.fit?.carts as f64;
+    let share = carts.min(1.0);
+    let motors = |c: &Candidate| {
+        if choice.motors.is_empty() {
+            return c.motors;
+        }
+        let resistance = &c.thrust.resistance;
+        let straight =
+            Resistance { rolling: share * resistance.rolling, air: share * resistance.air, curves: 0.0, climbs: 0.0 };
+        let thrust = Thrust {
+            resistance: straight,
+            starting: c.thrust.starting.map(|all| share * (all - resistance.curves)),
+            stopping: c.thrust.stopping.map(|all| share * all),
+        };
+        thrust.motors(chosen.motor(c).force, choice.drive.spare)
+    };
+    let all = chosen.candidates.iter().filter(|c| c.fitted == fitted && may_serve(c, settled));
+    let price = |c: &Candidate| least - own + beside + motors(c) as f64 * chosen.motor(c).article.cost();
+    // Where none serves, none of these tracks counts.
+    Some(all.map(price).reduce(f64::min).unwrap_or(f64::INFINITY))
+}
+
+/// Whether components may do what is required on any track: what a sorter takes is the same on all where it is settled.
+fn may_serve(candidate: &Candidate, settled: bool) -> bool {
+    !settled || candidate.shortfalls.iter().all(|s| s.requirement != Requirement::Capacity)
+}
+
+/// The fewest carts on a track of this length or more, m.
+fn fewest_carts(layout: &Layout, length: f64) -> f64 {
+    let chain = length - layout.most_cut_by_chords() - layout.most_left_over();
+    (chain / layout.cart.length - 1e-9).ceil().max(0.0)
+}
+
+/// What the components that may be tried on a track take in a year at least, kWh, on any track of this length or more, m:
+/// so many carts roll and are driven through the air; what curves add is left out. `None` on different heights.
+fn least_energy(chosen: &Chosen, index: usize, length: f64, settled: bool) -> Option<f64> {
+    let track = &chosen.tracks[index];
+    if !track.compiled.layout.levels.is_empty() {
+        return None;
+    }
+    let least = |c: &Candidate| {
+        let layout = Layout { cart: chosen.cart(c).clone(), ..track.compiled.layout.clone() };
+        let carts = fewest_carts(&layout, length) / chosen.fitted[c.fitted].fit?.carts as f64;
+        let resistance = &c.thrust.resistance;
+        let share = (resistance.rolling + resistance.air) / resistance.steady() * carts.min(1.0);
+        Some(c.energy / 3.6e6 * share)
+    };
+    let own = chosen.candidates.iter().filter(|c| chosen.fitted[c.fitted].track == index);
+    Some(own.filter(|c| may_serve(c, settled)).filter_map(least).reduce(f64::min).unwrap_or(f64::INFINITY))
 }

@@ -410,3 +410,18 @@ fn a_conveyor_says_what_it_goes_through() {
     let found = said(&layout);
     assert!(found.iter().any(|d| d.message == "the conveyor to chute `row_a` costs nothing"), "{found:?}");
 }
+
+/// Ten of 1.5 m are told to be shorter by what they lack on a straight of 12 m, and that is enough.
+#[test]
+fn what_is_too_long_is_told_by_how_much() {
+    let stretched = |stretch: f64| {
+        let mut layout = walled(9.0, 3.0, 10);
+        layout.equipment.declared[0].of.stretch = stretch;
+        layout
+    };
+    let (_, help) = told(&stretched(1.5));
+    assert!(help.contains("take 0.3 m off the stretch of each (it has 1.5 m, 1.2 m are free)"), "{help}");
+    let track = track(&stretched(1.2));
+    assert!(findings(&stretched(1.2), &track).is_empty(), "what is told is enough");
+    assert!(!findings(&stretched(1.21), &track).is_empty(), "and no less");
+}

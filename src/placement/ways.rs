@@ -36,6 +36,7 @@ impl Lacking<'_> {
         }
         ways.extend(self.elsewhere());
         ways.extend(self.shallower(causes));
+        ways.extend(self.shorter());
         let left = self.group.count - self.count;
         let fewer = |d: &mut Declared| {
             if let Stands::Free { count, .. } = &mut d.stands {
@@ -158,6 +159,30 @@ impl Lacking<'_> {
             if aisle { " or its aisle" } else { "" },
             trimmed(across, 2),
             trimmed(across - less, 2)
+        ))
+    }
+
+    /// By how much each piece has to be shorter along the track, where that is enough.
+    fn shorter(&self) -> Option<String> {
+        let of = &self.group.of;
+        let stretch = |steps: u32| self.fits(&|d: &mut Declared| d.of.stretch -= f64::from(steps) * STEP);
+        // Not enough with `short`, enough with `steps`.
+        let mut steps = ((of.stretch / STEP).ceil() as u32).saturating_sub(1);
+        if steps == 0 || !stretch(steps) {
+            return None;
+        }
+        let mut short = 0;
+        while steps - short > 1 {
+            let middle = short + (steps - short) / 2;
+            if stretch(middle) { steps = middle } else { short = middle }
+        }
+        let less = f64::from(steps) * STEP;
+        let each = if self.group.count > 1 { " of each" } else { "" };
+        Some(format!(
+            "take {} m off the stretch{each} (it has {} m, {} m are free)",
+            trimmed(less, 2),
+            trimmed(of.stretch, 2),
+            trimmed(of.stretch - less, 2)
         ))
     }
 

@@ -4,7 +4,8 @@
 
 use super::size::families;
 use lss::compiled::Compiled;
-use lss::kinematics::fit;
+use lss::geometry::{Corner, Point, Track};
+use lss::kinematics::{fit, left_over, level};
 use lss::model::Layout;
 use lss::semantics::analyse;
 use lss::solve::{Effort, Options, Stage, Status, solve, unclosed};
@@ -276,4 +277,58 @@ fn headings_are_compared_up_to_full_turns() {
     assert!(stage.violations.is_empty() && stage.status == Status::Proven, "{:?}", stage.violations);
     let heading = |i: usize| (stage.corners[(i + 1) % 4].point - stage.corners[i].point).heading();
     assert!((heading(3) - heading(1)).abs() > 3.1, "{} {}", heading(3), heading(1));
+}
+
+/// A rectangle of quarter turns with so long straights at its ends, whose chain closes at the shortest that is allowed.
+fn closed(ends: f64, radius: f64, (pitch, within): (f64, f64), at_least: f64) -> f64 {
+    let around = |long: f64| {
+        let (x, y) = (long + 2.0 * radius, ends + 2.0 * radius);
+        let corner = |x: f64, y: f64| Corner { point: Point::new(x, y), radius };
+        Track::new(&[corner(0.0, 0.0), corner(x, 0.0), corner(x, y), corner(0.0, y)])
+    };
+    let fewest = (around(at_least).length / pitch) as usize - 1;
+    for carts in fewest.. {
+        let mut long = at_least;
+        let left = |long: f64| left_over(&level(&around(long)), carts, pitch).expect("a chain");
+        for _ in 0..8 {
+            long -= 0.5 * (left(long) + within);
+        }
+        assert!((left(long) + within).abs() < 1e-9, "{carts}: {}", left(long));
+        if long >= at_least {
+            return around(long).length;
+        }
+    }
+    unreachable!("more carts take longer straights")
+}
+
+/// What chords cut off depends on straights that are shorter than a cart: no split of a length over long and short straights
+/// is below what is proven, and none is shorter than what was found but by what is known.
+#[test]
+fn short_straights_are_part_of_what_is_proven_of_a_chain() {
+    for (pitch, long, radius) in [(1.0, 21.1, 3.0), (1.25, 20.3, 3.0), (0.8, 15.0, 4.0)] {
+        let millimetres = pitch * 1e3;
+        let text = format!(
+            "use std.carts.tilt_tray\nuse std.tracks.standard\n\nlayout loop {{\n  catalog standard\n  \
+             cart tilt_tray(length: {millimetres} mm)\n  speed 2 m/s\n  width 1 m\n  radii {radius} m .. {radius} m\n  \
+             vertex P1 (0 m, 0 m)\n  vertex P2 (40 m, 0 m)\n  vertex P3 (40 m, 9 m)\n  vertex P4 (0 m, 9 m)\n  \
+             fix rotation P1..P2\n  fix rotation P3..P4\n  require length(straight(P1..P2)) >= {long} m\n  \
+             require length(straight(P3..P4)) >= {long} m\n  chain closes within 20 mm\n  optimise length\n}}\n"
+        );
+        let stage = last(&layout(&text), Effort::default(), 1);
+        let certificate = stage.certificate.expect("a certificate");
+        assert!(certificate.proven, "{certificate:?}");
+        assert!(stage.length - certificate.lower_bound < 4e-4, "{certificate:?}");
+        let (mut shortest, mut longest) = (f64::INFINITY, 0.0f64);
+        // As the shortest straight of the catalogue is 0.2 m.
+        for k in 0..=40 {
+            let ends = 0.2 + 0.025 * f64::from(k);
+            let length = closed(ends, radius, (pitch, 0.02), long);
+            if length < stage.length + 0.5 * pitch {
+                (shortest, longest) = (shortest.min(length), longest.max(length));
+            }
+        }
+        assert!(shortest >= certificate.lower_bound, "{pitch}: {shortest} {certificate:?}");
+        assert!(stage.length <= shortest + 2e-5, "{pitch}: {} {shortest}", stage.length);
+        assert!(longest > shortest + 1e-4, "{pitch}: it matters");
+    }
 }

@@ -257,3 +257,36 @@ fn an_order_that_takes_enough_is_told() {
     let help = said(&lines(["", ""], "20000")).unwrap();
     assert!(!help.contains("in this order"), "{help}");
 }
+
+/// With chutes on either of two straights a price has a bound beyond what the equipment costs, and is no more than that of
+/// the shortest track with room for everything.
+#[test]
+fn a_price_is_bounded_and_no_more_than_that_of_the_shortest_track() {
+    let text = |goal: &str| {
+        format!(
+            "use std.carts.tilt_tray\nuse std.tracks.standard\nuse std.equipment\n\nlayout two {{\n  catalog standard\n  \
+             cart tilt_tray(length: 1 m)\n  speed 1.9 m/s\n  width 1.1 m\n  vertex P1 (1.61 m, 4.6 m) radius 3 m\n  \
+             vertex P2 (15.26 m, 4.6 m) radius 3 m\n  vertex P3 (15.26 m, 17.41 m) radius 3 m\n  \
+             vertex P4 (1.61 m, 17.41 m) radius 3 m\n  \
+             building [(0 m, 0 m), (30 m, 0 m), (30 m, 10 m), (21 m, 10 m), (21 m, 22 m), (0 m, 22 m)] clearance 0.3 m\n  \
+             start on P1..P2 at 0 m\n  induction a of induction_manual on P1..P2 fed from (1 m, 1 m)\n  \
+             chutes r of chute at least 6 on P2..P3, P3..P4 after a\n  optimise {goal}\n}}\n"
+        )
+    };
+    let solved = |goal: &str| {
+        let layout = layout(&text(goal));
+        let options = Options { effort: Effort { nodes: 300, ..Effort::default() }, ..Options::default() };
+        Compiled::new(layout.clone(), solve(&layout, &options, &|_| {}))
+    };
+    let cost = |compiled: &Compiled| compiled.bill.price + compiled.placement.price();
+    let shortest = solved("length");
+    assert!(!shortest.failed() && shortest.placement.is_whole());
+    let cheapest = solved("cost");
+    let certificate = cheapest.stages.last().and_then(|s| s.certificate.clone()).expect("a certificate");
+    assert!(certificate.lower_bound > cheapest.placement.equipment, "{certificate:?}");
+    let bought = Layout { objective: cheapest.layout.objective.clone(), ..shortest.layout.clone() };
+    let bought = Compiled::new(bought, shortest.stages.clone());
+    assert!(cost(&cheapest) <= cost(&bought) + 0.5, "{} {}", cost(&cheapest), cost(&bought));
+    let total = |compiled: &Compiled| lss::compiled::order::total(compiled).all;
+    assert!(total(&solved("total_price")) <= total(&bought) + 0.5);
+}

@@ -117,4 +117,14 @@ fn components_are_chosen_on_traded_tracks() {
     }
     let most = found.layouts.iter().map(|own| own.values[1]).fold(0.0, f64::max);
     assert_eq!(found.ends[1].value, most);
+    assert!(found.ends[1].proven);
+    let price = found.ends[0];
+    let bound = price.bound.expect("a bound");
+    assert!(bound <= price.value && bound > 0.95 * price.value, "{price:?}");
+
+    let energies =
+        pareto(&layout, &[Measure::Energy, Measure::Length], &Options::default(), &|_| {}).expect("few enough");
+    let end = energies.ends[0];
+    let bound = end.bound.expect("a bound");
+    assert!(bound <= end.value && bound > 0.9 * end.value, "{end:?}");
 }

@@ -3,7 +3,6 @@
 use super::Smooth;
 use crate::base::trig;
 use crate::geometry::{Track, self_crossings};
-use crate::kinematics::{left_over, level};
 use crate::model::{Constraint, ConstraintKind, Formula, Goal, Interval, Layout, Obstacle, Side, Target, Unit};
 use crate::problem::measures::{radius, to_corners, to_variables, x, y};
 use crate::problem::{Aim, Problem, Scope};
@@ -15,8 +14,6 @@ use crate::solve::{Discretise, Options, Stage, Status, Tell, discrete, worth};
 use crate::source::Span;
 use std::time::Instant;
 
-/// What `chain closes` is kept tighter by, as short straights change what the series lacks, m.
-const SURE: f64 = 3e-4;
 /// Without a budget the track may grow by this ratio.
 const GROWTH: f64 = 0.01;
 
@@ -69,11 +66,7 @@ pub fn base(
         true => ((path - slack) / pitch).ceil(),
         false => (path / pitch).round(),
     };
-    // The series is off by what it lacks, which changes little from here, and the chain has to close as it is measured.
-    let measured = left_over(&level(&Track::new(&to_corners(&variables))), carts as usize, pitch);
-    let lacks = measured.map_or(0.0, |measured| measured - (path - carts * pitch));
-    let (lacks, kept) = if stated.is_some() { (lacks, slack - SURE.min(0.25 * slack)) } else { (0.0, slack) };
-    let closing = (carts * pitch - kept - lacks, carts * pitch + kept - lacks);
+    let closing = (carts * pitch - slack, carts * pitch + slack);
     held.constraints.push(row(chain_path(&held, pitch), closing, span, format!("the chain closes with {carts} carts")));
     if left.abs() > slack {
         stages = find(&held);
