@@ -138,19 +138,7 @@ impl Lacking<'_> {
             return None;
         }
         let of = &self.group.of;
-        let depth = |steps: u32| self.fits(&|d: &mut Declared| d.of.depth -= f64::from(steps) * STEP);
-        // Not enough with `short`, enough with `steps`.
-        let mut steps = (of.depth / STEP).ceil() as u32;
-        steps = steps.saturating_sub(1);
-        if steps == 0 || !depth(steps) {
-            return None;
-        }
-        let mut short = 0;
-        while steps - short > 1 {
-            let middle = short + (steps - short) / 2;
-            if depth(middle) { steps = middle } else { short = middle }
-        }
-        let less = f64::from(steps) * STEP;
+        let less = least(of.depth, &|less| self.fits(&|d: &mut Declared| d.of.depth -= less))?;
         let across = of.depth + of.aisle;
         let aisle = less <= of.aisle && self.fits(&|d: &mut Declared| d.of.aisle -= less);
         Some(format!(
@@ -165,18 +153,7 @@ impl Lacking<'_> {
     /// By how much each piece has to be shorter along the track, where that is enough.
     fn shorter(&self) -> Option<String> {
         let of = &self.group.of;
-        let stretch = |steps: u32| self.fits(&|d: &mut Declared| d.of.stretch -= f64::from(steps) * STEP);
-        // Not enough with `short`, enough with `steps`.
-        let mut steps = ((of.stretch / STEP).ceil() as u32).saturating_sub(1);
-        if steps == 0 || !stretch(steps) {
-            return None;
-        }
-        let mut short = 0;
-        while steps - short > 1 {
-            let middle = short + (steps - short) / 2;
-            if stretch(middle) { steps = middle } else { short = middle }
-        }
-        let less = f64::from(steps) * STEP;
+        let less = least(of.stretch, &|less| self.fits(&|d: &mut Declared| d.of.stretch -= less))?;
         let each = if self.group.count > 1 { " of each" } else { "" };
         Some(format!(
             "take {} m off the stretch{each} (it has {} m, {} m are free)",
@@ -253,6 +230,21 @@ impl Lacking<'_> {
 /// Whether a point is in a polygon or on its outline.
 fn holds(polygon: &Polygon, p: Point) -> bool {
     polygon.contains(p) || polygon.distance_to_outline(p) <= TOLERANCE
+}
+
+/// The least amount in steps, m, that is enough to take off a measure, m, and leaves some of it.
+fn least(measure: f64, enough: &dyn Fn(f64) -> bool) -> Option<f64> {
+    let off = |steps: u32| f64::from(steps) * STEP;
+    // Not enough with `short`, enough with `steps`.
+    let (mut short, mut steps) = (0, ((measure / STEP).ceil() as u32).saturating_sub(1));
+    if steps == 0 || !enough(off(steps)) {
+        return None;
+    }
+    while steps - short > 1 {
+        let middle = short + (steps - short) / 2;
+        if enough(off(middle)) { steps = middle } else { short = middle }
+    }
+    Some(off(steps))
 }
 
 /// To the centimetre, upwards.
