@@ -129,7 +129,7 @@ fn raise(stage: &mut Stage, shortest: f64, cheapest: Option<f64>) {
 /// turns by a full turn or more. Straights cost a metre's price and their share of the longest piece; curves a metre's
 /// price, and a piece for each `largest`.
 fn cheapest(layout: &Layout, radius: f64, length: f64) -> Option<f64> {
-    let weight = |goal: Goal| layout.objective.terms.iter().find(|(_, g)| *g == goal).map(|(w, _)| *w);
+    let weight = |goal: Goal| layout.objective.weight(goal);
     let by_length = weight(Goal::Length).unwrap_or(0.0) / weight(Goal::Cost)?;
     let (straight, curve) = (&layout.catalog.straight, &layout.catalog.curve);
     let longest = straight.stock.iter().copied().chain(straight.cut.map(|cut| cut.high)).fold(0.0, f64::max);

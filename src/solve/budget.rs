@@ -55,7 +55,7 @@ impl Budget {
     /// `None` where there is no budget, or polygon action is part of it.
     pub fn of(objective: &Objective) -> Option<Self> {
         let (limited, ratio) = objective.within?;
-        let weight = |goal: Goal| objective.terms.iter().find(|(_, g)| *g == goal).map_or(0.0, |(w, _)| *w);
+        let weight = |goal: Goal| objective.weight(goal).unwrap_or(0.0);
         let known = limited != Goal::PolygonAction && weight(Goal::PolygonAction) == 0.0;
         let goal = Weights { cost: weight(Goal::Cost), length: weight(Goal::Length) };
         (known && goal.cost + goal.length > 0.0).then_some(Budget { goal, limited, ratio })

@@ -25,7 +25,7 @@ pub enum Aim {
 impl Aim {
     /// Of a layout's objective. The weight of cost is made 1.
     pub fn of(layout: &Layout) -> Self {
-        let weight = |goal: Goal| layout.objective.terms.iter().find(|(_, g)| *g == goal).map(|(w, _)| *w);
+        let weight = |goal: Goal| layout.objective.weight(goal);
         match weight(Goal::Cost) {
             Some(cost) => Aim::Price { metre: weight(Goal::Length).unwrap_or(0.0) / cost },
             None => Aim::Length,

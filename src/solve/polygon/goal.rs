@@ -21,9 +21,8 @@ pub struct Smooth {
 impl Smooth {
     /// `None` when polygon action is not minimised.
     pub fn of(objective: &Objective) -> Option<Self> {
-        let weight = |goal: Goal| objective.terms.iter().find(|(_, g)| *g == goal).map(|(w, _)| *w);
-        let action = weight(Goal::PolygonAction)?;
-        let of = |goal: Goal| weight(goal).unwrap_or(0.0);
+        let action = objective.weight(Goal::PolygonAction)?;
+        let of = |goal: Goal| objective.weight(goal).unwrap_or(0.0);
         let (length, cost) = (of(Goal::Length), of(Goal::Cost));
         Some(Smooth { counted: Counted::All, action, length, cost, budget: objective.within })
     }
