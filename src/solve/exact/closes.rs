@@ -25,6 +25,20 @@ pub struct Off {
     pub shorter: f64,
     /// How far each of these may be off.
     pub unsure: (f64, f64),
+    /// By how much one that closes may be shorter and still close with as many carts.
+    pub spare: f64,
+}
+
+/// What is known of the lengths at which a chain closes, with turns and radii chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Needed {
+    /// Straights are so much longer or so much shorter in all, m, at least.
+    Lengths { longer: f64, shorter: f64 },
+    /// Curves near each other may cut off so much more or less that this says little before the straight of a section,
+    /// which lies between these, m, is parted.
+    Parted { section: usize, within: (f64, f64) },
+    /// It is as near to closing as is known.
+    Unknown,
 }
 
 /// A left-over that exceeds the take-up by less does not, m.
@@ -56,7 +70,7 @@ impl<'a> Closes<'a> {
     pub fn off(&self, track: &Track) -> Option<Off> {
         let now = fit(&self.line(track), self.pitch)?;
         if now.left_over.abs() <= self.within + EXACT {
-            return Some(Off::default());
+            return Some(Off { spare: now.left_over + self.within, ..Off::default() });
         }
         let carts = now.carts as f64;
         let (more, fewer) = if now.left_over < 0.0 { (carts, carts - 1.0) } else { (carts + 1.0, carts) };
@@ -72,17 +86,13 @@ impl<'a> Closes<'a> {
         };
         let (longer, shorter) = (change(more, -self.within), change(fewer, self.within));
         let coupling = self.coupling(track);
-        Some(Off { longer: longer.0, shorter: -shorter.0, unsure: (longer.1 + coupling, shorter.1 + coupling) })
+        let unsure = (longer.1 + coupling, shorter.1 + coupling);
+        Some(Off { longer: longer.0, shorter: -shorter.0, unsure, spare: 0.0 })
     }
 
     /// How well what a chain leaves over is known of a track from its curves alone, m.
     pub fn coupling(&self, track: &Track) -> f64 {
         coupling(track, self.pitch)
-    }
-
-    /// By how much a closed track may be shorter and still close with as many carts, m.
-    fn spare(&self, track: &Track) -> f64 {
-        fit(&self.line(track), self.pitch).map_or(0.0, |fit| fit.left_over + self.within)
     }
 
     /// A layout with the same turns and radii that closes, longer by no more than it takes: straights between curves that
@@ -94,17 +104,12 @@ impl<'a> Closes<'a> {
         let mut best = f64::INFINITY;
         for _ in 0..ROUNDS {
             let at = track(&x);
-            let (Some(lack), all) = (self.lack(&at), straights(&at)) else { break };
-            let next = match lack {
-                0.0 => {
-                    if all < best {
-                        (best, closed) = (all, Some(x.clone()));
-                    }
-                    all - self.spare(&at)
-                }
-                lack => all + lack,
-            };
-            if next < least || (lack == 0.0 && all - next <= EXACT) || next >= best {
+            let (Some(off), all) = (self.off(&at), straights(&at)) else { break };
+            if off.longer == 0.0 && all < best {
+                (best, closed) = (all, Some(x.clone()));
+            }
+            let next = all + off.longer - off.spare;
+            if next < least || next >= best - EXACT {
                 break;
             }
             let Some(polished) = polish(&x, Some(next)) else { break };
@@ -113,12 +118,27 @@ impl<'a> Closes<'a> {
         closed
     }
 
-    /// By how much more and less curves may cut off than on this track, where its straights have other lengths between
-    /// these, m, by section. Of tracks with heights nothing is known, and none is told.
-    pub fn leeway(&self, track: &Track, straights: &[(f64, f64)]) -> Leeway {
-        match self.layout.levels.is_empty() {
+    /// What straights between these limits, m, by section, need for a chain to close that is so far off on this track. Of
+    /// tracks with heights it is not known how curves near each other matter, and none is told.
+    pub fn needed(&self, track: &Track, off: Off, straights: &[(f64, f64)]) -> Needed {
+        let leeway = match self.layout.levels.is_empty() {
             true => leeway(track, self.pitch, straights),
             false => Leeway::default(),
+        };
+        let (longer, shorter) = (off.longer - leeway.less - off.unsure.0, off.shorter - leeway.more - off.unsure.1);
+        let fine = 0.1 * self.coupling(track);
+        let says_much = |needed: f64, leeway: f64| leeway < fine || leeway < 0.5 * needed;
+        if says_much(off.longer, leeway.less) && says_much(off.shorter, leeway.more) {
+            return match longer.min(shorter) > EXACT {
+                true => Needed::Lengths { longer, shorter },
+                false => Needed::Unknown,
+            };
+        }
+        let within = |section: usize| (straights[section].0.max(0.0), straights[section].1.min(self.pitch));
+        let parted = leeway.section.map(|section| (section, within(section)));
+        match parted.filter(|(_, within)| within.1 - within.0 > EXACT) {
+            Some((section, within)) => Needed::Parted { section, within },
+            None => Needed::Unknown,
         }
     }
 

@@ -17,6 +17,7 @@ mod enclosing;
 mod grid;
 mod master;
 mod network;
+mod node;
 mod offset;
 mod open;
 mod parts;
@@ -127,7 +128,7 @@ pub fn discretise(
     if let Some(closes) = Closes::new(layout) {
         // What a chain leaves over is the mean over its phases, which curves together change by so much.
         let known = closes.coupling(&track(&variables));
-        certificate = certificate.held_to(3.0 * known * unit * tariff::least_rate(layout, aim));
+        certificate = certificate.held_to(HELD * known * unit * tariff::least_rate(layout, aim));
     }
     let name = |stage: usize| layout.vertices[grid.vertex(stage % grid.len())].name.as_str();
     certificate.parts = certificate.of_chains(found.parts.iter().map(|chain| {
@@ -370,6 +371,9 @@ impl Task<'_> {
 
 /// Most nodes of the search for a chain that closes: nearly every choice of turns can be stretched until it does.
 const CLOSING: usize = 5_000;
+/// Of how well a chain's left-over is known, what a proof may leave: the least length that closes is sought by so much less,
+/// and so are what short straights change and the layout that was found.
+const HELD: f64 = 3.0;
 
 /// Whether a layout meets every row and does not cross itself.
 fn sound(problem: &Problem, x: &[f64]) -> bool {

@@ -1,11 +1,12 @@
 //! Branch and bound: best bound first, over headings, radii and the ways past regions.
 
-use super::alternative::{Alternative, Decided, Remedy};
+use super::alternative::{Alternative, Remedy};
 use super::beside::Beside;
-use super::closes::{Closes, Off};
+use super::closes::{Closes, Needed, Off};
 use super::grid::Grid;
 use super::master::{Pool, relax};
 use super::network::Limits;
+use super::node::Node;
 use super::row::GridRow;
 use super::tariff::{Tariff, on_hull};
 use super::told::Told;
@@ -18,7 +19,6 @@ use crate::solve::exact::choice::{Choice, ON_LIST};
 use crate::solve::exact::closes::Polish;
 use crate::solve::exact::open::Open;
 use crate::solve::options::Effort;
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::rc::Rc;
 
@@ -88,57 +88,6 @@ pub struct Chain {
     pub gap: f64,
     pub nodes: usize,
 }
-
-struct Node {
-    bound: f64,
-    /// Order of creation.
-    id: usize,
-    open: Open,
-    rows: Vec<GridRow>,
-    decided: Vec<Decided>,
-    pool: Pool,
-}
-
-impl Node {
-    /// What straights lie between, m, by stage: within these limits, as far as rows of a single straight say.
-    fn straights(&self, limits: &[(f64, f64)]) -> Vec<(f64, f64)> {
-        let mut within = limits.to_vec();
-        for row in &self.rows {
-            if let ([(k, weight)], true) = (row.straight.as_slice(), row.is_of_straights()) {
-                let bound = row.low / weight;
-                let own = &mut within[*k];
-                if *weight > 0.0 || row.equal {
-                    own.0 = own.0.max(bound);
-                }
-                if *weight < 0.0 || row.equal {
-                    own.1 = own.1.min(bound);
-                }
-            }
-        }
-        within
-    }
-}
-
-impl Ord for Node {
-    /// The least bound is the greatest; of equal ones the latest, which is the deepest.
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.bound.total_cmp(&self.bound).then(self.id.cmp(&other.id))
-    }
-}
-
-impl PartialOrd for Node {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Node {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Node {}
 
 /// Searches from an incumbent, if there is one.
 pub fn search(setting: &Setting, incumbent: Option<(Vec<f64>, f64)>) -> Found {
@@ -398,32 +347,23 @@ impl Search<'_> {
     }
 
     /// By how much longer and by how much shorter straights have to be in all for the chain to close, m, with turns and
-    /// radii chosen. Where curves near each other may cut off so much more or less that this says little, the straight
-    /// between them is parted, and where it says nothing the node keeps its bound; nothing is returned then.
+    /// radii chosen. Where that is not known well enough a straight is parted, or the node keeps its bound; nothing is
+    /// returned then.
     fn apart(&mut self, node: &Node, track: &Track, choice: &Choice, off: Off) -> Option<(f64, f64)> {
         let (grid, closes) = (self.setting.grid, self.setting.closes?);
         let within = node.straights(&self.setting.limits.straights);
         let by_section: Vec<(f64, f64)> = (0..grid.len()).map(|i| within[grid.stage(i)]).collect();
-        let leeway = closes.leeway(track, &by_section);
-        let (longer, shorter) = (off.longer - leeway.less - off.unsure.0, off.shorter - leeway.more - off.unsure.1);
-        let fine = 0.1 * closes.coupling(track);
-        let says_much = |needed: f64, leeway: f64| leeway < fine || leeway < 0.5 * needed;
-        if says_much(off.longer, leeway.less) && says_much(off.shorter, leeway.more) {
-            if longer.min(shorter) <= FEASIBLE {
+        let (section, (low, high)) = match closes.needed(track, off, &by_section) {
+            Needed::Lengths { longer, shorter } => return Some((longer, shorter)),
+            Needed::Unknown => {
                 self.undecided(node);
                 return None;
             }
-            return Some((longer, shorter));
-        }
-        let section = leeway.section.map(|section| grid.stage(section));
-        let room = |k: &usize| (within[*k].0.max(0.0), within[*k].1.min(closes.pitch));
-        let Some(k) = section.filter(|k| room(k).1 - room(k).0 > FEASIBLE) else {
-            self.undecided(node);
-            return None;
+            Needed::Parted { section, within } => (section, within),
         };
         // At the layout at hand, near which the least lies, unless that leaves nearly all of it whole.
-        let ((low, high), at) = (room(&k), choice.straights[k]);
-        let margin = 0.1 * (high - low);
+        let (k, margin) = (grid.stage(section), 0.1 * (high - low));
+        let at = choice.straights[k];
         let at = if at - low < margin || high - at < margin { 0.5 * (low + high) } else { at };
         for (sign, low) in [(1.0, at), (-1.0, -at)] {
             self.push(node, |c| c.rows.push(GridRow { straight: vec![(k, sign)], low, ..GridRow::default() }));
