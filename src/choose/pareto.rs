@@ -7,6 +7,7 @@ use super::find::{self, Chosen, TooMany};
 use super::refused::words;
 use super::tracks::{self, Track};
 use super::trade::{Measure, front};
+use super::write::lines;
 use crate::compiled::{Compiled, order};
 use crate::model::{Layout, Objective, Stands};
 use crate::solve::{Certificate, Counted, End, Options, Tell};
@@ -25,6 +26,8 @@ pub struct Traded {
     pub certificate: Option<Certificate>,
     /// Its components, in words, where the layout leaves some open.
     pub choice: Option<String>,
+    /// The lines that say them.
+    pub lines: Vec<String>,
 }
 
 /// How good the best layout in one measure is.
@@ -64,12 +67,11 @@ pub fn pareto(layout: &Layout, measures: &[Measure], options: &Options, watch: T
     let by_cart = open && measures.iter().any(|m| matches!(m, Measure::Price | Measure::Smoothness));
     let asked = tracks::asked(layout, by_cart).len();
     find::few_enough(layout, asked)?;
-    let mut ends = ends(measures);
-    if open && measures.contains(&Measure::Price) && !ends.contains(&End::Length) {
-        // How many motors a track needs at least hangs on its length.
-        ends.push(End::Length);
-    }
-    let tracks = tracks::traded(layout, &ends, by_cart, options, watch);
+    let ends = ends(measures);
+    // How many motors a track needs at least hangs on its length.
+    let bounds_price = open && measures.contains(&Measure::Price) && !ends.contains(&End::Length);
+    let alone: &[End] = if bounds_price { &[End::Length] } else { &[] };
+    let tracks = tracks::traded(layout, (&ends, alone), by_cart, options, watch);
     let fitted = find::fitted(layout, &tracks, options.threads);
     let candidates = find::candidates(layout, &tracks, &fitted, None);
     // What only a choice has to do is not asked of components that are as written.
@@ -110,6 +112,11 @@ pub fn pareto(layout: &Layout, measures: &[Measure], options: &Options, watch: T
             radii: track.radii,
             certificate: track.compiled.stages.last().and_then(|stage| stage.certificate.clone()),
             choice: open.then(|| words(&chosen, candidate)),
+            lines: if open {
+                lines(&chosen, candidate)?.all().into_iter().map(str::to_owned).collect()
+            } else {
+                Vec::new()
+            },
         })
     };
     Ok(Pareto {

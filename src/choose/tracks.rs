@@ -120,13 +120,20 @@ pub fn tracks(layout: &Layout, options: &Options, told: Tell) -> (Vec<Track>, Ve
     (found, none)
 }
 
-/// Tracks that trade length, cost, total price and polygon action, between these ends, of each that is asked for.
-pub fn traded(layout: &Layout, ends: &[End], by_cart: bool, options: &Options, watch: solve::Tell) -> Vec<Track> {
+/// Tracks that trade length, cost, total price and polygon action, of each that is asked for: between the first ends, and the
+/// best of each of the second ones alone.
+pub fn traded(
+    layout: &Layout,
+    (ends, alone): (&[End], &[End]),
+    by_cart: bool,
+    options: &Options,
+    watch: solve::Tell,
+) -> Vec<Track> {
     let asked = asked(layout, by_cart);
-    let alone = Options { threads: if asked.len() > 1 { 1 } else { options.threads }, ..*options };
+    let own = Options { threads: if asked.len() > 1 { 1 } else { options.threads }, ..*options };
     let found = parallel::map(&asked, options.threads, |asked| {
         let layout = variant(layout, asked);
-        let trades = solve::pareto(&layout, ends, &alone, watch);
+        let trades = solve::pareto(&layout, ends, alone, &own, watch);
         let track = |trade: Trade| {
             let counts = trade.objective.weight(Goal::Cost).is_some();
             // Whatever it is the best of, its pieces are bought for the least money.

@@ -68,6 +68,9 @@ pub struct Traded {
     /// Its components, where the layout leaves some open.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub choice: Option<String>,
+    /// The lines of a layout that say them, in the place of what it leaves open.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub lines: Vec<String>,
     /// Whether it is proven that no layout on the grid is better for that objective.
     pub proven: bool,
     /// How far from it the best may be, as a share of what was minimised; absent where nothing is proven.
@@ -127,6 +130,7 @@ impl Traded {
             }),
             eur_per_metre: objective.metre().map(normal),
             choice: traded.choice.clone(),
+            lines: traded.lines.clone(),
             proven: certificate.is_some_and(|c| c.proven),
             gap: certificate.map(|c| normal(c.gap)),
             lower_bound_m: bound(true),

@@ -12,6 +12,8 @@ use maud::{Markup, html};
 /// Width and largest height of the picture of the layouts, px.
 const WIDTH: f64 = 900.0;
 const HEIGHT: f64 = 520.0;
+/// That lines may have.
+const COLOURS: usize = 8;
 
 /// The page of a layout's trade.
 pub fn page(pareto: &Pareto) -> String {
@@ -65,7 +67,8 @@ fn sentence(words: &str) -> String {
 
 const RULES: &str = "
 .hall { fill: none; stroke: var(--soft); stroke-width: 1.2; } .obstacle { fill: var(--band); stroke: var(--soft); }
-.traded { fill: none; stroke-width: 2.2; } .number-of { display: inline-block; width: 14px; height: 4px; margin-right: 5px; vertical-align: 3px; }
+.traded { fill: none; stroke-width: 2.2; } .traded.again { stroke-dasharray: 9 4; } .traded.once-more { stroke-dasharray: 2 4; }
+.number-of { display: inline-block; width: 14px; height: 4px; margin-right: 5px; vertical-align: 3px; }
 ";
 
 fn headline(pareto: &Pareto) -> String {
@@ -143,7 +146,7 @@ fn plans(pareto: &Pareto) -> Markup {
     html! {
         div.channels role="group" aria-label="layouts" { @for (k, traded) in pareto.layouts.iter().enumerate() {
             button type="button" aria-pressed=(shown(k)) data-shows=(format!("layout-{k}")) {
-                i.number-of style=(format!("background: var(--c{})", k % 8)) {}
+                i.number-of style=(format!("background: var(--c{})", k % COLOURS)) {}
                 (k + 1) ": " (short(pareto, traded))
             }
         } }
@@ -152,12 +155,17 @@ fn plans(pareto: &Pareto) -> Markup {
                 path class=(if k == 0 { "hall" } else { "obstacle" }) d=(path(outline)) {}
             }
             @for (k, traded) in pareto.layouts.iter().enumerate() {
-                path.traded id=(format!("layout-{k}")) hidden[!shown(k)] style=(format!("stroke: var(--c{})", k % 8))
-                    d=(path(&traded.outline)) {}
+                path class=(stroke(k)) id=(format!("layout-{k}")) hidden[!shown(k)]
+                    style=(format!("stroke: var(--c{})", k % COLOURS)) d=(path(&traded.outline)) {}
             }
         }
         p.note { "A name turns a layout on and off." }
     }
+}
+
+/// A layout's line: the same colour again is dashed.
+fn stroke(layout: usize) -> &'static str {
+    ["traded", "traded again", "traded once-more"][layout / COLOURS % 3]
 }
 
 /// Its first two values.

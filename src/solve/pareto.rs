@@ -49,10 +49,11 @@ pub struct Trade {
     pub certificate: Option<Certificate>,
 }
 
-/// All layouts that were found, those of `ends` first; empty where none is feasible. Some of them may beat others.
+/// All layouts that were found, those of `ends` first; empty where none is feasible. Some of them may beat others. Of `alone`
+/// the best is sought, too, for what is proven of it, and nothing between it and others.
 ///
-/// `ends` has each end once.
-pub fn pareto(layout: &Layout, ends: &[End], options: &Options, watch: Tell) -> Vec<Trade> {
+/// `ends` has each end once, and none of `alone`.
+pub fn pareto(layout: &Layout, ends: &[End], alone: &[End], options: &Options, watch: Tell) -> Vec<Trade> {
     let seek = |objective: Objective| trade(layout, objective, options, watch);
     let mut family: Vec<End> = ends.iter().copied().filter(|end| *end != End::PolygonAction).collect();
     // From the shortest to the cheapest.
@@ -66,6 +67,7 @@ pub fn pareto(layout: &Layout, ends: &[End], options: &Options, watch: Tell) -> 
     if ends.contains(&End::PolygonAction) {
         all.extend(even(layout, &family, &all, options, watch));
     }
+    all.extend(alone.iter().filter_map(|end| seek(objective(layout, *end))));
     all
 }
 

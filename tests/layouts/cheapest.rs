@@ -104,7 +104,7 @@ fn cheapest(small: &Small, asked: &Asked, metre: f64, fewest: &[usize]) -> f64 {
 fn trades(small: &Small, asked: &Asked, fewest: &[usize]) -> usize {
     let layout = layout(&text(small, asked));
     let options = Options { threads: 1, ..Options::default() };
-    let trades = pareto(&layout, &[End::Cost, End::Length], &options, &|_| {});
+    let trades = pareto(&layout, &[End::Cost, End::Length], &[], &options, &|_| {});
     for trade in trades.iter().filter(|t| t.certificate.as_ref().is_some_and(|c| c.proven)) {
         let Some(metre) = trade.objective.metre() else { continue };
         let best = cheapest(small, asked, metre, fewest);
