@@ -1,7 +1,7 @@
 //! What of a layout's equipment finds no place, what is in the way, and the smallest change that makes room.
 
 use super::place;
-use super::task::{Block, Cause, Group, Task};
+use super::task::{Block, Cause, Group, Room, Task};
 use super::ways::{Lacking, up};
 use crate::base::number::trimmed;
 use crate::base::words::list;
@@ -124,7 +124,7 @@ fn missing(lacking: &Lacking, whole: bool) -> Diagnostic {
     let declared = &layout.equipment.declared[group.declared];
     let (count, of) = (group.count, &group.of);
     let needed = count as f64 * of.stretch + (count - 1) as f64 * of.service;
-    let free: f64 = group.rooms.iter().flat_map(|r| &r.free).map(|f| f.1 - f.0 + of.stretch).sum();
+    let free: f64 = group.rooms.iter().map(|room| covered(room, of.stretch)).sum();
     let what = if of.kind == EquipmentKind::Chute && count > 1 { "chutes" } else { of.kind.word() };
     let message = match (count, whole) {
         (_, false) => format!("no places were found for {lacks} of {count} {what} `{}`", declared.name),
@@ -157,6 +157,13 @@ fn missing(lacking: &Lacking, whole: bool) -> Diagnostic {
         1 => format!("a way out: {}", ways[0]),
         _ => format!("ways out, any of which is enough: {}", list(&ways, "or")),
     })
+}
+
+/// How much of a straight is free for equipment of such a stretch, m.
+fn covered(room: &Room, stretch: f64) -> f64 {
+    let add =
+        |(sum, end): (f64, f64), (begin, last): &(f64, f64)| (sum + last + stretch - end.max(*begin), last + stretch);
+    room.free.iter().fold((0.0, f64::NEG_INFINITY), add).0
 }
 
 /// What is in a group's way, with how many metres of straights it takes, the most first.

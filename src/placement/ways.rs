@@ -6,7 +6,7 @@ use super::task::{Cause, Group, Room, Task};
 use crate::base::number::trimmed;
 use crate::geometry::clearance::Region;
 use crate::geometry::{Corner, Point, Polygon, Track};
-use crate::model::{Declared, EquipmentSide, Layout, Side, Stands, TOLERANCE};
+use crate::model::{ConstraintKind, Declared, EquipmentSide, FixKind, Layout, Side, Stands, TOLERANCE};
 
 /// Amounts of across and along are told to this, m.
 const STEP: f64 = 0.01;
@@ -190,9 +190,21 @@ impl Lacking<'_> {
             }
             Some(f64::from(steps) * STEP)
         };
-        let found = sections.filter_map(|section| Some((section, least(section)?)));
-        let (section, by) = found.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some(format!("make {} {} m longer", self.layout.section_name(section), trimmed(by, 2)))
+        let found = sections.filter_map(|section| Some((self.is_fixed(section), least(section)?, section)));
+        let (fixed, by, section) = found.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))?;
+        let beside = if fixed { " (its length is fixed)" } else { "" };
+        Some(format!("make {} {} m longer{beside}", self.layout.section_name(section), trimmed(by, 2)))
+    }
+
+    /// Whether a section's length is fixed, or both its ends are.
+    fn is_fixed(&self, section: usize) -> bool {
+        let is = |wanted: &dyn Fn(&ConstraintKind) -> bool| self.layout.constraints.iter().any(|c| wanted(&c.kind));
+        let end = |v: usize| is(&|kind| matches!(kind, ConstraintKind::FixVertex { vertex } if *vertex == v));
+        let length = |kind: &ConstraintKind| match kind {
+            ConstraintKind::FixSection { target, kinds } => target.from == section && kinds.contains(&FixKind::Length),
+            _ => false,
+        };
+        is(&length) || (end(section) && end(self.layout.next(section)))
     }
 
     /// The track with everything beyond a straight's middle moved on, and with everything before it moved back, where
