@@ -9,6 +9,7 @@ mod along;
 mod conveyors;
 mod findings;
 mod footprint;
+mod nearest;
 mod needs;
 mod search;
 mod sequence;
@@ -21,6 +22,7 @@ mod ways;
 pub use conveyors::conveyors;
 pub use findings::findings;
 pub use footprint::{Footprint, Line, Rectangle};
+pub use nearest::{HalfSpace, Nearest, Way, nearest};
 pub use needs::{Need, least_conveyors, needs, next};
 
 use crate::geometry::Track;

@@ -25,9 +25,7 @@ type Member<'a> = (&'a Declared, (Vec<usize>, f64, f64));
 /// that a declaration names. The written layout says which way the loop turns, as ever.
 pub fn needs(layout: &Layout, written: &Track) -> Vec<Need> {
     let all: Vec<usize> = (0..layout.vertices.len()).collect();
-    let turned: f64 = written.fillets.iter().map(|f| f.turn).sum();
-    let outer = if turned < 0.0 { 1.0 } else { -1.0 };
-    // The sections that it may stand on, and its sides: 0 where it chooses.
+    // The sections that it may stand on, and its sides.
     let of = |declared: &Declared| -> (Vec<usize>, f64, f64) {
         let mut on = match &declared.stands {
             Stands::Free { on, .. } if on.is_empty() => all.clone(),
@@ -37,14 +35,7 @@ pub fn needs(layout: &Layout, written: &Track) -> Vec<Need> {
         };
         on.sort_unstable();
         on.dedup();
-        let (left, right) = match declared.of.side {
-            EquipmentSide::Left => (1.0, 0.0),
-            EquipmentSide::Right => (0.0, 1.0),
-            EquipmentSide::Outer => (f64::from(outer > 0.0), f64::from(outer < 0.0)),
-            EquipmentSide::Inner => (f64::from(outer < 0.0), f64::from(outer > 0.0)),
-            EquipmentSide::Either => (0.0, 0.0),
-            EquipmentSide::Both => (1.0, 1.0),
-        };
+        let (left, right) = sides(&declared.of, written);
         (on, left, right)
     };
     let declared: Vec<Member> = layout.equipment.declared.iter().map(|d| (d, of(d))).collect();
@@ -86,13 +77,27 @@ pub fn needs(layout: &Layout, written: &Track) -> Vec<Need> {
     needs
 }
 
+/// How much of equipment stands on the left and on the right: 0 where it chooses. The written track says which is outside.
+pub(super) fn sides(of: &EquipmentType, written: &Track) -> (f64, f64) {
+    let turned: f64 = written.fillets.iter().map(|f| f.turn).sum();
+    let outer = if turned < 0.0 { 1.0 } else { -1.0 };
+    match of.side {
+        EquipmentSide::Left => (1.0, 0.0),
+        EquipmentSide::Right => (0.0, 1.0),
+        EquipmentSide::Outer => (f64::from(outer > 0.0), f64::from(outer < 0.0)),
+        EquipmentSide::Inner => (f64::from(outer < 0.0), f64::from(outer > 0.0)),
+        EquipmentSide::Either => (0.0, 0.0),
+        EquipmentSide::Both => (1.0, 1.0),
+    }
+}
+
 /// Whether the loop begins in the middle of a section, so that what comes first may stand behind what comes last.
-fn is_split(layout: &Layout, section: usize) -> bool {
+pub(super) fn is_split(layout: &Layout, section: usize) -> bool {
     layout.equipment.start.is_some_and(|start| start.section == section && start.at > 1e-9)
 }
 
 /// What stands on one side of a straight, in the order that is asked for where it is not split.
-fn parts(members: &[&Declared], split: bool) -> Vec<Part> {
+pub(super) fn parts(members: &[&Declared], split: bool) -> Vec<Part> {
     let names = |names: &[String], of: &Declared| names.contains(&of.name);
     let precedes = |a: &Declared, b: &Declared| {
         let after = matches!(&b.stands, Stands::Free { after, .. } if names(after, a));

@@ -1,5 +1,5 @@
-//! Track and equipment together: branch and bound over how long straights have to be for what stands on them, on which
-//! section a fed piece of equipment stands, and how long its conveyor is.
+//! Track and equipment together: branch and bound over how long straights have to be for what stands on them, and on which
+//! section a fed piece of equipment stands.
 //!
 //! The track is solved with rows that every placement needs ([`placement::needs`]), its equipment placed on it, exactly.
 //!
@@ -8,28 +8,27 @@
 //!   the row of that, and together they are all layouts.
 //! - Where lengths would do and obstacles, walls or other equipment are in the way, longer straights are only tried: the
 //!   node's own bound stays.
-//! - Under `cost`, what is compared is the price of the whole: track, equipment and conveyors. A conveyor's length lies in an
-//!   interval, which is halved: a node has the rows of its upper end ([`near::rows`]), and the price of its lower one beside
-//!   the track's bound. That takes a section whose heading is fixed; of others, all lengths of conveyors stay open.
+//! - Under `cost`, what is compared is the price of the whole: track, equipment and conveyors. The track's own search counts
+//!   a conveyor to a section at the least that it is there ([`exact::Conveyors`]).
 //!
 //! Each node is solved with the certificate of its track, and the least bound of what is left holds for all. The written
 //! layout counts among what is found, and what a longer straight made room for is tried with shorter ones ([`shorter`]).
 
 mod moved;
-mod near;
 mod shorter;
 
 use super::options::{Effort, Options, Tell};
 use super::violations::off_grid;
 use super::{Certificate, Counted, Stage, Status, exact, goals, report};
 use crate::geometry::Track;
-use crate::model::{Constraint, ConstraintKind, EquipmentSide, Formula, Goal, Layout, Objective, Stands, Target, Unit};
+use crate::model::{
+    Constraint, ConstraintKind, Declared, EquipmentSide, Formula, Goal, Layout, Objective, Stands, Target, Unit,
+};
 use crate::placement::{self, Placement};
 use crate::problem::measures::to_variables;
 use crate::problem::{Problem, Scope};
 use crate::solve::conflict::Proof;
 use moved::meets_all;
-use near::Fed;
 use shorter::Halved;
 
 /// Most tracks that are solved, beside the first.
@@ -40,7 +39,7 @@ const OTHERS: usize = 2;
 /// Of so many straights at most two are made longer at once, the second by a share of what the first is.
 const MOST_PAIRED: usize = 6;
 const SHARES: [f64; 3] = [0.25, 0.5, 0.75];
-/// Conveyors' intervals are halved until what they leave open is this part of the value.
+/// Sections are chosen until what conveyors leave open is this part of the value.
 const FINE: f64 = 2e-4;
 /// What two values differ by at least, m or EUR.
 const BETTER: f64 = 1e-9;
@@ -61,24 +60,35 @@ fn is_known(objective: &Objective) -> bool {
     !objective.terms.is_empty() && objective.within.is_none() && objective.terms.iter().all(|(_, goal)| known(goal))
 }
 
-/// Least lengths of straights; the section and the interval of each conveyor; whether the node is complete.
-type Seen = (Vec<(usize, f64)>, Vec<(Option<usize>, f64, f64)>, bool);
+/// Least lengths of straights; the section of each conveyor; whether the node is complete.
+type Seen = (Vec<(usize, f64)>, Vec<Option<usize>>, bool);
 
 /// Some of the layouts, with what is known of all of them.
 #[derive(Clone, Debug)]
 struct Node {
     /// Least lengths of straights, m.
     straights: Vec<(usize, f64)>,
-    /// Of each fed piece of equipment: the section it stands on where that is chosen, and its conveyor's least and greatest
-    /// length, m.
-    fed: Vec<(Option<usize>, f64, f64)>,
+    /// The section that each fed piece of equipment stands on, where that is chosen.
+    fed: Vec<Option<usize>>,
     bound: f64,
     /// Whether the layouts of its parent are all among its siblings' and its own; else it is only tried.
     complete: bool,
-    /// Of a parent with the same rows: its track's bound, and the lengths of its conveyors.
-    solved: Option<(f64, Vec<f64>)>,
     /// Where the length of a straight is halved.
     halved: Option<Halved>,
+}
+
+/// One piece of equipment each, placed freely, and the price of a metre of its conveyor, EUR.
+fn fed(layout: &Layout) -> Vec<(usize, f64)> {
+    let one = |(index, d): (usize, &Declared)| {
+        let single = matches!(d.stands, Stands::Free { count: 1, .. });
+        (single && d.fed.is_some() && d.of.conveyor > 0.0).then_some((index, d.of.conveyor))
+    };
+    layout.equipment.declared.iter().enumerate().filter_map(one).collect()
+}
+
+/// What a track's search counts of conveyors.
+fn conveyors(layout: &Layout) -> exact::Conveyors {
+    exact::Conveyors::new(layout, &Track::new(&layout.corners()))
 }
 
 /// A track with its equipment.
@@ -94,10 +104,8 @@ struct Search<'a> {
     options: &'a Options,
     watch: Tell<'a>,
     written: Track,
-    /// Sections whose heading is fixed.
-    turned: Vec<usize>,
-    /// None where only length counts.
-    fed: Vec<Fed>,
+    /// What is fed, one piece each, and the price of a metre of its conveyor, EUR; none where only length counts.
+    fed: Vec<(usize, f64)>,
     best: Option<Whole>,
     /// No layout of the nodes that were left is better.
     closed: f64,
@@ -114,8 +122,7 @@ impl<'a> Search<'a> {
             options,
             watch,
             written: Track::new(&layout.corners()),
-            turned: Problem::new(layout, Scope::Building).rotations,
-            fed: if costs { near::fed(layout) } else { Vec::new() },
+            fed: if costs { fed(layout) } else { Vec::new() },
             best: None,
             closed: f64::INFINITY,
             nodes: 0,
@@ -124,9 +131,8 @@ impl<'a> Search<'a> {
     }
 
     fn run(mut self) -> Vec<Stage> {
-        let least = placement::least_conveyors(self.layout, &self.written);
-        let fed = self.fed.iter().map(|f| (self.only_section(f), least[f.declared], f64::INFINITY)).collect();
-        let root = Node { straights: Vec::new(), fed, bound: 0.0, complete: true, solved: None, halved: None };
+        let fed = self.fed.iter().map(|(declared, _)| self.only_section(*declared)).collect();
+        let root = Node { straights: Vec::new(), fed, bound: 0.0, complete: true, halved: None };
         let mut open = vec![root];
         // The same layouts need no second node, unless the first one was only tried.
         let mut seen: Vec<Seen> = Vec::new();
@@ -135,10 +141,6 @@ impl<'a> Search<'a> {
         let mut assumed: Vec<String> = Vec::new();
         while let Some(next) = take(&mut open) {
             if self.best.as_ref().is_some_and(|b| b.lacking == 0 && next.bound >= b.value - BETTER) {
-                continue;
-            }
-            if let Some((track, lengths)) = next.solved.clone() {
-                open.extend(self.split(&next, counted, track, &lengths));
                 continue;
             }
             let others = (OTHERS * first).max(1000);
@@ -174,7 +176,7 @@ impl<'a> Search<'a> {
             let track = Track::new(&last.corners);
             let mut placement = placement::place(&layout, &track);
             let mut next = next;
-            next.bound = next.bound.max(self.bound(&next, counted, certificate.lower_bound));
+            next.bound = next.bound.max(self.bound(&layout, counted, certificate.lower_bound));
             let mut longer = (Vec::new(), true);
             if !placement.is_whole() {
                 longer = self.longer(&next, &track, &placement);
@@ -186,13 +188,12 @@ impl<'a> Search<'a> {
                 }
             }
             let lacking: usize = placement.missing.iter().map(|(_, n)| n).sum();
-            self.keep(&layout, stages, &certificate, &placement, lacking);
+            let own = self.without_conveyors(&layout, &track, &certificate);
+            self.keep(stages, (counted, own), &placement, lacking);
             let least = self.best.as_ref().filter(|best| best.lacking == 0).map_or(f64::INFINITY, |best| best.value);
             open.extend(next.shorter(lacking == 0, least));
             if lacking == 0 {
-                let length = |f: &Fed| placement.placed.iter().find(|p| p.declared == f.declared)?.conveyor;
-                let lengths: Vec<f64> = self.fed.iter().map(|f| length(f).unwrap_or(0.0)).collect();
-                open.extend(self.split(&next, counted, certificate.lower_bound, &lengths));
+                open.extend(self.split(&next, &placement));
                 continue;
             }
             let (children, complete) = longer;
@@ -218,8 +219,8 @@ impl<'a> Search<'a> {
     }
 
     /// The section of equipment that may stand on one only.
-    fn only_section(&self, fed: &Fed) -> Option<usize> {
-        match self.sections(fed.declared)[..] {
+    fn only_section(&self, declared: usize) -> Option<usize> {
+        match self.sections(declared)[..] {
             [section] => Some(section),
             _ => None,
         }
@@ -232,21 +233,27 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// No layout of a node is better than its track's bound, its equipment's price and that of its conveyors at their least.
-    fn bound(&self, node: &Node, counted: Counted, track: f64) -> f64 {
+    /// No layout of a node is better than its track's bound with the conveyors that it counts, its equipment's price and
+    /// that of other conveyors at their least. `layout` is the node's.
+    fn bound(&self, layout: &Layout, counted: Counted, track: f64) -> f64 {
         if counted == Counted::Length {
             return track;
         }
-        let declared = &self.layout.equipment.declared;
+        let declared = &layout.equipment.declared;
         let equipment: f64 = declared.iter().map(|d| d.count() as f64 * d.of.article.price.unwrap_or(0.0)).sum();
-        let least = placement::least_conveyors(self.layout, &self.written);
-        let others = |i: &usize| self.fed.iter().all(|f| f.declared != *i);
-        let other: f64 = (0..declared.len())
-            .filter(others)
-            .map(|i| declared[i].count() as f64 * declared[i].of.conveyor * least[i])
-            .sum();
-        let own: f64 = self.fed.iter().zip(&node.fed).map(|(f, (_, low, _))| f.price * low).sum();
-        (track + equipment + other + own) * (1.0 - 4.0 * f64::EPSILON)
+        let known: Vec<usize> = conveyors(layout).declared().collect();
+        let least = placement::least_conveyors(layout, &self.written);
+        let others = (0..declared.len()).filter(|i| !known.contains(i));
+        let other: f64 = others.map(|i| declared[i].count() as f64 * declared[i].of.conveyor * least[i]).sum();
+        (track + equipment + other) * (1.0 - 4.0 * f64::EPSILON)
+    }
+
+    /// What a track is worth without its conveyors, m or EUR.
+    fn without_conveyors(&self, layout: &Layout, track: &Track, certificate: &Certificate) -> f64 {
+        match certificate.counted {
+            Counted::Length => certificate.value,
+            Counted::Price { .. } => certificate.value - conveyors(layout).price(track),
+        }
     }
 
     fn track(&self, node: &Node, tracks: usize) -> (Layout, Vec<Stage>) {
@@ -256,13 +263,10 @@ impl<'a> Search<'a> {
             let kind = ConstraintKind::Require { formula, low, high: f64::INFINITY, unit: Unit::Metre };
             Constraint { kind, reason: None, span: layout.span }
         }));
-        for (fed, (section, _, high)) in self.fed.iter().zip(&node.fed) {
-            let Some(section) = section else { continue };
-            if let Stands::Free { on, .. } = &mut layout.equipment.declared[fed.declared].stands {
+        for ((declared, _), section) in self.fed.iter().zip(&node.fed) {
+            let stands = &mut layout.equipment.declared[*declared].stands;
+            if let (Stands::Free { on, .. }, Some(section)) = (stands, section) {
                 *on = vec![*section];
-            }
-            if high.is_finite() {
-                layout.constraints.extend(near::rows(self.layout, &self.written, fed, *section, *high));
             }
         }
         let effort = self.options.effort;
@@ -272,57 +276,38 @@ impl<'a> Search<'a> {
         (layout, stages)
     }
 
-    /// A node whose track has room for everything: by sections first, then with the most expensive open interval halved. Its
+    /// A node whose track has room for everything: by the section of the most expensive conveyor of which that is open. Its
     /// bound closes it where nothing is left to split.
-    fn split(&mut self, node: &Node, counted: Counted, track: f64, lengths: &[f64]) -> Vec<Node> {
-        let own = node.bound.max(self.bound(node, counted, track));
-        let child = |i: usize, of: (Option<usize>, f64, f64), solved| {
-            let mut fed = node.fed.clone();
-            fed[i] = of;
-            let mut child = Node { fed, bound: own, solved, halved: None, ..node.clone() };
-            child.bound = own.max(self.bound(&child, counted, track));
-            child
+    fn split(&mut self, node: &Node, placement: &Placement) -> Vec<Node> {
+        let fine = FINE * self.best.as_ref().map_or(node.bound, |best| best.value);
+        let price = |i: usize| {
+            let (declared, price) = self.fed[i];
+            let placed = placement.placed.iter().find(|placed| placed.declared == declared);
+            placed.and_then(|placed| placed.conveyor).unwrap_or(0.0) * price
         };
-        let open: Vec<f64> = (0..self.fed.len())
-            .map(|i| (lengths[i].min(node.fed[i].2) - node.fed[i].1).max(0.0) * self.fed[i].price)
-            .collect();
-        let fine = FINE * self.best.as_ref().map_or(own, |b| b.value);
-        let mut order: Vec<usize> = (0..open.len()).filter(|i| open[*i] > fine).collect();
-        order.sort_by(|a, b| open[*b].total_cmp(&open[*a]));
-        for i in order {
-            let (section, low, high) = node.fed[i];
-            let Some(section) = section else {
-                let sections = self.sections(self.fed[i].declared);
-                return sections.into_iter().map(|s| child(i, (Some(s), low, high), None)).collect();
-            };
-            if self.turned.contains(&section) {
-                let middle = 0.5 * (low + lengths[i].min(high));
-                let near = child(i, (Some(section), low, middle), None);
-                // The same rows, and so the same track.
-                let far = child(i, (Some(section), middle, high), Some((track, lengths.to_vec())));
-                return vec![near, far];
-            }
-        }
-        self.close(node, own);
-        Vec::new()
+        let open = (0..self.fed.len()).filter(|i| node.fed[*i].is_none() && price(*i) > fine);
+        let Some(i) = open.max_by(|a, b| price(*a).total_cmp(&price(*b)).then(b.cmp(a))) else {
+            self.close(node, node.bound);
+            return Vec::new();
+        };
+        let on = |section: usize| {
+            let mut fed = node.fed.clone();
+            fed[i] = Some(section);
+            Node { fed, halved: None, ..node.clone() }
+        };
+        self.sections(self.fed[i].0).into_iter().map(on).collect()
     }
 
     /// Takes a track with its equipment if it is better than what is known.
-    fn keep(
-        &mut self,
-        layout: &Layout,
-        mut stages: Vec<Stage>,
-        certificate: &Certificate,
-        placement: &Placement,
-        lacking: usize,
-    ) {
+    /// `own` is what it is worth without its equipment and conveyors.
+    fn keep(&mut self, mut stages: Vec<Stage>, (counted, own): (Counted, f64), placement: &Placement, lacking: usize) {
         // Whatever section was chosen here, the result is placed anew on all of them.
-        let free =
-            placement::place(self.layout, &Track::new(&stages.last().map_or(layout.corners(), |s| s.corners.clone())));
+        let corners = stages.last().map_or_else(|| self.layout.corners(), |last| last.corners.clone());
+        let free = placement::place(self.layout, &Track::new(&corners));
         let placement = if free.is_whole() && free.price() < placement.price() { &free } else { placement };
-        let price = |p: &Placement| if certificate.counted == Counted::Length { 0.0 } else { p.price() };
-        let mut value = certificate.value + price(placement);
-        if certificate.counted != Counted::Length
+        let price = |p: &Placement| if counted == Counted::Length { 0.0 } else { p.price() };
+        let mut value = own + price(placement);
+        if counted != Counted::Length
             && lacking == 0
             && let Some((corners, cheaper)) = stages.last().and_then(|last| self.shifted(&last.corners, placement))
         {
@@ -353,7 +338,7 @@ impl<'a> Search<'a> {
         let track = Track::new(&last.corners);
         let (placement, value) = (placement::place(self.layout, &track), exact::worth(self.layout, &track, metre));
         if placement.is_whole() && value.is_finite() {
-            self.keep(self.layout, stages, &Certificate { value, ..certificate.clone() }, &placement, 0);
+            self.keep(stages, (certificate.counted, value), &placement, 0);
         }
     }
 
@@ -380,7 +365,7 @@ impl<'a> Search<'a> {
             last.max_violation = rows.iter().map(|row| row.violation()).fold(0.0, f64::max);
             (last.corners, last.length, last.violations) = (corners, self.written.length, Vec::new());
         }
-        self.keep(self.layout, stages, &Certificate { value, ..certificate.clone() }, &placement, 0);
+        self.keep(stages, (certificate.counted, value), &placement, 0);
     }
 
     /// Nodes with longer straights, and whether all layouts of the node with room for everything are among them.
@@ -390,7 +375,7 @@ impl<'a> Search<'a> {
                 node.straights.iter().copied().filter(|(s, _)| *s != section).collect();
             straights.push((section, low));
             straights.sort_by_key(|a| a.0);
-            Node { straights, complete, solved: None, halved: None, ..node.clone() }
+            Node { straights, complete, halved: None, ..node.clone() }
         };
         let declared = |i: usize| &self.layout.equipment.declared[i];
         for &(i, _) in &placement.missing {

@@ -61,7 +61,7 @@ impl Choice {
     }
 
     /// Tangent length at a vertex stage, m.
-    fn tangent(&self, grid: &Grid, k: usize) -> f64 {
+    pub fn tangent(&self, grid: &Grid, k: usize) -> f64 {
         let k = if k == 0 { grid.len() } else { k };
         self.radii[k % grid.len()] * grid.turn(self.headings[k] - self.headings[k - 1]).1
     }

@@ -83,11 +83,12 @@ impl Pool {
             let known = basis.len() - 1;
             let mut right: Vec<f64> = rows[..known].iter().map(|r| r.low).collect();
             right.push(1.0);
-            if let Some(inverse) = Inverse::new(&basis, &self.columns, known) {
+            if let Some(inverse) = Inverse::new(&basis, &self.columns, &rows[..known]) {
                 let weights = inverse.solve(&right);
                 let value = |r: usize| {
                     let mix = basis.iter().zip(&weights).filter_map(|(v, w)| match v {
                         Variable::Column(j) => Some(w * self.columns[*j].values[r]),
+                        Variable::Relief(of) if rows[r].relief == Some(*of) => Some(*w),
                         _ => None,
                     });
                     mix.sum()
@@ -135,6 +136,8 @@ enum Variable {
     /// How far a row is missed from below, from above.
     Short(usize),
     Over(usize),
+    /// By how much all rows of a relief may be short.
+    Relief(usize),
 }
 
 /// Maximises the dual until `cutoff` is reached or nothing is left to gain. No multiplier is larger than `dear`, the
@@ -158,15 +161,16 @@ pub fn relax(
     let mut right: Vec<f64> = rows.iter().map(|r| r.low).collect();
     right.push(1.0);
     let mut best: Option<Dual> = None;
-    let mut inverse = Inverse::new(&basis, columns, m);
+    let mut inverse = Inverse::new(&basis, columns, rows);
     for pivot in 1..=PIVOTS {
         let Some(at) = &mut inverse else { break };
-        let costs: Vec<f64> = basis.iter().map(|v| cost(*v, columns, dear)).collect();
+        let costs: Vec<f64> = basis.iter().map(|v| cost(*v, columns, &limits.reliefs, dear)).collect();
         let y = at.solve_transposed(&costs);
         let (prices, share) = y.split_at(m);
-        let mut entering = cheapest(rows, columns, &basis, prices, share[0], dear);
+        let mut entering = cheapest((rows, columns, &limits.reliefs), &basis, prices, share[0], dear);
         if entering.is_none() {
-            let y: Vec<f64> = prices.iter().zip(rows).map(|(y, r)| if r.equal { *y } else { y.max(0.0) }).collect();
+            let mut y: Vec<f64> = prices.iter().zip(rows).map(|(y, r)| if r.equal { *y } else { y.max(0.0) }).collect();
+            hold_to_reliefs(&mut y, rows, &limits.reliefs);
             let dual = minimise(grid, limits, open, rows, &y)?;
             let constant: f64 = y.iter().zip(rows).map(|(y, r)| y * r.low).sum();
             let reduced = dual.value - constant - share[0];
@@ -182,11 +186,11 @@ pub fn relax(
             entering = Some(Variable::Column(columns.len() - 1));
         }
         let Some(entering) = entering else { break };
-        let direction = at.solve(&column_of(entering, columns, m));
+        let direction = at.solve(&column_of(entering, columns, rows));
         let Some(leaving) = leaving(&at.solve(&right), &direction) else { break };
         basis[leaving] = entering;
         if pivot % RENEWED == 0 {
-            inverse = Inverse::new(&basis, columns, m);
+            inverse = Inverse::new(&basis, columns, rows);
         } else {
             at.pivot(leaving, &direction);
         }
@@ -196,8 +200,8 @@ pub fn relax(
         None => minimise(grid, limits, open, rows, &vec![0.0; m])?,
     };
     // Nearly singular, a basis means nothing.
-    let weights = Inverse::new(&basis, columns, m).map(|at| at.solve(&right));
-    let weights = weights.filter(|weights| is_solved(&basis, weights, columns, &right));
+    let weights = Inverse::new(&basis, columns, rows).map(|at| at.solve(&right));
+    let weights = weights.filter(|weights| is_solved(&basis, weights, columns, (rows, &right)));
     let missed = |(v, w): (&Variable, &f64)| matches!(v, Variable::Short(_) | Variable::Over(_)) && *w > 1e-7;
     let mix = weights.as_ref().filter(|w| best.bound < cutoff && !basis.iter().zip(*w).any(missed)).map(|weights| {
         let shares = basis.iter().zip(weights).filter_map(|(v, &w)| match v {
@@ -215,24 +219,38 @@ pub fn relax(
 }
 
 /// Whether weights are those of a basis, none of them negative.
-fn is_solved(basis: &[Variable], weights: &[f64], pool: &[Column], right: &[f64]) -> bool {
+fn is_solved(basis: &[Variable], weights: &[f64], pool: &[Column], (rows, right): (&[GridRow], &[f64])) -> bool {
     let mut left = right.to_vec();
     for (v, w) in basis.iter().zip(weights) {
-        let column = column_of(*v, pool, right.len() - 1);
+        let column = column_of(*v, pool, rows);
         left.iter_mut().zip(&column).for_each(|(left, value)| *left -= w * value);
     }
     weights.iter().all(|w| *w >= -SOLVED) && left.iter().all(|left| left.abs() <= SOLVED)
 }
 
-fn cost(v: Variable, pool: &[Column], dear: f64) -> f64 {
+/// No rows of one relief have higher multipliers in all than it costs: else the dual has no bound.
+fn hold_to_reliefs(y: &mut [f64], rows: &[GridRow], reliefs: &[f64]) {
+    for (relief, price) in reliefs.iter().enumerate() {
+        let own = |row: &GridRow| row.relief == Some(relief);
+        let all: f64 = y.iter().zip(rows).filter(|(_, row)| own(row)).map(|(y, _)| y).sum();
+        if all > price * (1.0 - 1e-12) {
+            let share = price / all * (1.0 - 1e-12);
+            y.iter_mut().zip(rows).filter(|(_, row)| own(row)).for_each(|(y, _)| *y *= share);
+        }
+    }
+}
+
+fn cost(v: Variable, pool: &[Column], reliefs: &[f64], dear: f64) -> f64 {
     match v {
+        Variable::Relief(of) => reliefs[of],
         Variable::Column(j) => pool[j].cost,
         Variable::Surplus(_) => 0.0,
         Variable::Short(_) | Variable::Over(_) => dear,
     }
 }
 
-fn column_of(v: Variable, pool: &[Column], m: usize) -> Vec<f64> {
+fn column_of(v: Variable, pool: &[Column], rows: &[GridRow]) -> Vec<f64> {
+    let m = rows.len();
     let unit = |r: usize, value: f64| {
         let mut column = vec![0.0; m + 1];
         column[r] = value;
@@ -242,13 +260,13 @@ fn column_of(v: Variable, pool: &[Column], m: usize) -> Vec<f64> {
         Variable::Column(j) => pool[j].values[..m].iter().copied().chain([1.0]).collect(),
         Variable::Short(r) => unit(r, 1.0),
         Variable::Surplus(r) | Variable::Over(r) => unit(r, -1.0),
+        Variable::Relief(of) => rows.iter().map(|row| f64::from(row.relief == Some(of))).chain([0.0]).collect(),
     }
 }
 
 /// The variable of least reduced cost, if that is negative.
 fn cheapest(
-    rows: &[GridRow],
-    pool: &[Column],
+    (rows, pool, reliefs): (&[GridRow], &[Column], &[f64]),
     basis: &[Variable],
     y: &[f64],
     share: f64,
@@ -263,6 +281,10 @@ fn cheapest(
     for (j, column) in pool.iter().enumerate() {
         let rows: f64 = column.values.iter().zip(y).map(|(v, y)| v * y).sum();
         offer(column.cost - rows - share, Variable::Column(j));
+    }
+    for (of, price) in reliefs.iter().enumerate() {
+        let own: f64 = rows.iter().zip(y).filter(|(row, _)| row.relief == Some(of)).map(|(_, y)| y).sum();
+        offer(price - own, Variable::Relief(of));
     }
     for (r, row) in rows.iter().enumerate() {
         offer(dear - y[r], Variable::Short(r));
@@ -291,12 +313,12 @@ struct Inverse {
 
 impl Inverse {
     /// By elimination with partial pivoting (Gauss and Jordan). `None` where the basis is singular.
-    fn new(basis: &[Variable], pool: &[Column], m: usize) -> Option<Self> {
-        let size = m + 1;
+    fn new(basis: &[Variable], pool: &[Column], rows: &[GridRow]) -> Option<Self> {
+        let size = rows.len() + 1;
         let wide = 2 * size;
         let mut a = vec![0.0; size * wide];
         for (j, v) in basis.iter().enumerate() {
-            for (i, value) in column_of(*v, pool, m).into_iter().enumerate() {
+            for (i, value) in column_of(*v, pool, rows).into_iter().enumerate() {
                 a[i * wide + j] = value;
             }
         }

@@ -12,8 +12,10 @@ mod beside;
 mod choice;
 mod class;
 mod closes;
+mod conveyors;
 mod cut;
 mod enclosing;
+mod found;
 mod grid;
 mod master;
 mod network;
@@ -29,6 +31,7 @@ mod touched;
 
 pub use class::{of_class, suffices};
 pub use closes::Closes;
+pub use conveyors::Conveyors;
 pub use tariff::{least_price, worth};
 
 use super::options::Discretised;
@@ -41,11 +44,12 @@ use crate::solve::options::{Effort, Tell};
 use beside::Beside;
 use closes::Polish;
 use enclosing::Enclosing;
+use found::Found;
 use grid::{Grid, NoGrid, track};
 use network::Limits;
 use open::{Open, place};
 use row::Stated;
-use search::{FEASIBLE, Found, Setting, Value};
+use search::{FEASIBLE, Setting, Value};
 use std::cell::RefCell;
 use std::time::Instant;
 use tariff::{Aim, Detail, Tariff};
@@ -80,6 +84,7 @@ pub fn discretise(
         stop: settings.stop,
         polish: &polish,
         aim,
+        conveyors: Conveyors::new(layout, &track(&problem.start)),
         cheapest: RefCell::new(None),
         told: Told::new(watch, effort.nodes, (tariff::unit(layout, aim), unit)),
     };
@@ -156,6 +161,7 @@ struct Task<'a> {
     stop: Stop,
     polish: &'a Polish<'a>,
     aim: Aim,
+    conveyors: Conveyors,
     /// The cheapest layout that any search came by, with what it is worth.
     cheapest: RefCell<Option<(Vec<f64>, f64)>>,
     told: Told<'a>,
@@ -166,7 +172,11 @@ impl Task<'_> {
     fn worth(&self, x: &[f64]) -> f64 {
         match self.aim {
             Aim::Length => self.problem.evaluate(x, 0.0).length,
-            Aim::Price { metre } => worth(self.layout, &track(x), metre) / tariff::unit(self.layout, self.aim),
+            Aim::Price { metre } => {
+                let track = track(x);
+                let price = worth(self.layout, &track, metre) + self.conveyors.price(&track);
+                price / tariff::unit(self.layout, self.aim)
+            }
         }
     }
 
@@ -177,7 +187,10 @@ impl Task<'_> {
         }
         let worth = self.remember(x);
         // Climbs cost more than a tariff says of them.
-        if self.layout.is_flat() { tariff.value(grid, x) } else { worth }
+        match self.layout.is_flat() {
+            true => tariff.value(grid, x) + self.conveyors.price(&track(x)) / tariff::unit(self.layout, self.aim),
+            false => worth,
+        }
     }
 
     fn remember(&self, x: &[f64]) -> f64 {
@@ -194,6 +207,7 @@ impl Task<'_> {
     fn cheapest(&self, grid: &Grid, incumbent: Option<(Vec<f64>, f64)>) -> Found {
         *self.cheapest.borrow_mut() = incumbent;
         let apart = parts::split(grid, &row::state(self.problem, grid)) && self.layout.is_flat();
+        let apart = apart && self.conveyors.is_empty();
         let mut phases = vec![(Detail::Envelope, apart), (Detail::Steps, apart)];
         if apart {
             phases.push((Detail::Steps, false));
@@ -218,6 +232,11 @@ impl Task<'_> {
         Found { variables, value, bound: bound.min(value), nodes, parts: Vec::new() }
     }
 
+    /// Whether a grid's offset is known, or none is better than another.
+    fn is_at_one_offset(&self, grid: &Grid) -> bool {
+        grid.held || (offset::turns_freely(self.problem) && self.conveyors.is_empty())
+    }
+
     /// The best layout, whether or not its chain closes: chain by chain where that is wanted.
     fn search(
         &self,
@@ -232,7 +251,7 @@ impl Task<'_> {
             setting.effort = effort;
             return search::search(&setting, None);
         };
-        if grid.held || offset::turns_freely(self.problem) {
+        if self.is_at_one_offset(grid) {
             let (mut setting, stated) = self.setting(self.problem, grid, Some(&incumbent), (detail, &value));
             setting.effort = effort;
             let longest = incumbent.1 / tariff::least_rate(self.layout, self.aim);
@@ -242,11 +261,13 @@ impl Task<'_> {
             }
             return parts::search(setting, &stated, incumbent, longest);
         }
-        let at = |relaxed: &Problem, offset: f64, beat: f64, effort: Effort| {
-            let grid = Grid::new(self.layout, relaxed, &incumbent.0, offset).ok()?;
+        let at = |relaxed: &Problem, offsets: offset::Offsets, beat: f64, effort: Effort| {
+            let grid = Grid::new(self.layout, relaxed, &incumbent.0, offsets.middle).ok()?;
             let beat = (incumbent.0.clone(), beat);
-            let value = |tariff: &Tariff, x: &[f64]| self.value(tariff, &grid, x);
+            let conveyors = self.conveyors.relaxed(offsets.by, offsets.within);
+            let value = |tariff: &Tariff, x: &[f64]| self.value(tariff, &grid, x) - conveyors.given_away();
             let (mut setting, _) = self.setting(relaxed, &grid, Some(&beat), (detail, &value));
+            setting.conveyors = &conveyors;
             setting.effort = effort;
             setting.polish = &|_, _| None;
             Some(search::search(&setting, Some(beat)))
@@ -258,7 +279,7 @@ impl Task<'_> {
         };
         let metre = tariff::least_rate(self.layout, self.aim);
         let part = |gap: f64| self.told.part_of(gap);
-        let known = (incumbent.clone(), metre);
+        let known = (incumbent.clone(), metre, self.conveyors.prices().iter().sum());
         offset::search(self.problem, grid.step, known, (effort, self.stop), &at, &improve, &part)
     }
 
@@ -274,7 +295,7 @@ impl Task<'_> {
         // Without a layout that closes, the one that does not is shown, and said not to close.
         let (nodes, parts) = (any.nodes, Vec::new());
         let open = Found { variables: Some(x), value: any.value, bound: any.bound, nodes, parts: any.parts };
-        if best.as_ref().is_some_and(|b| b.1 - bound <= 1e-6) || !(grid.held || offset::turns_freely(self.problem)) {
+        if best.as_ref().is_some_and(|b| b.1 - bound <= 1e-6) || !self.is_at_one_offset(grid) {
             return best.map_or(open, |(x, value)| Found { variables: Some(x), value, bound, nodes, parts });
         }
         let value = |tariff: &Tariff, x: &[f64]| self.value(tariff, grid, x);
@@ -299,7 +320,7 @@ impl Task<'_> {
         let known = self.cheapest.borrow().clone();
         let (mut bound, mut nodes) = (any.bound, any.nodes);
         let settled = known.as_ref().is_some_and(|k| k.1 - bound <= search::ALIKE);
-        if !settled && (grid.held || offset::turns_freely(self.problem)) {
+        if !settled && self.is_at_one_offset(grid) {
             // Without one, layouts of up to twice the price are searched.
             let first = known.unwrap_or_else(|| (x.clone(), 2.0 * any.value));
             let value = |tariff: &Tariff, x: &[f64]| self.value(tariff, grid, x);
@@ -352,7 +373,8 @@ impl Task<'_> {
         let setting = Setting {
             problem,
             grid,
-            limits: Limits { tariff, straights, first },
+            limits: Limits { tariff, straights, first, reliefs: self.conveyors.prices() },
+            conveyors: &self.conveyors,
             rows: stated.rows.clone(),
             beside: Beside { problem, grid, known, enclosing: Some(Enclosing { problem, grid }) },
             effort: self.effort,

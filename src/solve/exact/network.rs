@@ -20,6 +20,8 @@ pub struct Limits {
     pub straights: Vec<(f64, f64)>,
     /// Corners of a box that holds the first vertex, m.
     pub first: (Point, Point),
+    /// What a metre costs by which rows of one relief may be short, in the tariff's units.
+    pub reliefs: Vec<f64>,
 }
 
 /// The sum of rows under multipliers, by the stage that each part belongs to.

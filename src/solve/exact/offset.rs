@@ -7,7 +7,7 @@
 //! length L lies (Nitsche 1971): no point moves by more than δ L/4. With rows and regions relaxed by as much, the search
 //! at the middle bounds the whole interval.
 
-use super::search::Found;
+use super::found::Found;
 use crate::base::trig;
 use crate::model::{Formula, Interval as Bounds};
 use crate::problem::{ConstraintRow, Function, Problem};
@@ -15,8 +15,18 @@ use crate::solve::{Effort, Stop};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// What is searched at an offset: a problem, the offset (rad), the value that must be beaten, and how hard.
-pub type At<'a> = dyn Fn(&Problem, f64, f64, Effort) -> Option<Found> + 'a;
+/// Offsets that are searched at the middle one.
+#[derive(Clone, Copy, Debug)]
+pub struct Offsets {
+    pub middle: f64,
+    /// How far others are from it at most, rad.
+    pub within: f64,
+    /// By how much no point of a loop moves from them to the middle, m.
+    pub by: f64,
+}
+
+/// What is searched at an offset: a problem, the offset, the value that must be beaten, and how hard.
+pub type At<'a> = dyn Fn(&Problem, Offsets, f64, Effort) -> Option<Found> + 'a;
 
 /// Intervals are not split beyond this, rad.
 const FINEST: f64 = 1e-9;
@@ -112,12 +122,12 @@ fn change(formula: &Formula, by: f64) -> f64 {
 type Improve<'a> = dyn Fn(&[f64]) -> Option<(Vec<f64>, f64)> + 'a;
 
 /// Bounds every offset, and improves the incumbent (variables and value) on the way. `improve` makes a layout of the
-/// relaxed problem one of the problem, if it can; a metre of track is worth at least `metre`. `part_of` is told what is left
-/// open before each search of an interval.
+/// relaxed problem one of the problem, if it can; a metre of track is worth at least `metre`, and what hangs on where the loop
+/// lies changes its worth by `moved` for each metre. `part_of` is told what is left open before each search of an interval.
 pub fn search(
     problem: &Problem,
     step: f64,
-    (incumbent, metre): ((Vec<f64>, f64), f64),
+    (incumbent, metre, moved): ((Vec<f64>, f64), f64, f64),
     (effort, stop): (Effort, Stop),
     at: &At,
     improve: &Improve,
@@ -136,9 +146,10 @@ pub fn search(
         }
         part_of(if interval.bound > 0.0 { best.1 - interval.bound } else { f64::INFINITY });
         let middle = (interval.low + interval.high) / 2.0;
-        let by = (interval.high - interval.low) / 2.0 * reach * best.1 / metre;
+        let within = (interval.high - interval.low) / 2.0;
+        let by = within * reach * best.1 / metre;
         let most = interval.nodes.min(effort.nodes - nodes);
-        let found = at(&relaxed(problem, by), middle, best.1, Effort { nodes: most, ..effort });
+        let found = at(&relaxed(problem, by), Offsets { middle, within, by }, best.1, Effort { nodes: most, ..effort });
         let Some(found) = found else { continue };
         nodes += found.nodes.max(1);
         if found.value < best.1
@@ -149,7 +160,7 @@ pub fn search(
         }
         let bound = interval.bound.max(found.bound);
         // A loop around what lies by so much nearer is shorter by this (Steiner 1840).
-        let relaxation = trig::TAU * by * metre;
+        let relaxation = (trig::TAU * metre + moved) * by;
         if best.1 - bound > 2.0 * relaxation && found.nodes >= most {
             heap.push(Interval { bound, nodes: MORE * interval.nodes, ..interval });
         } else if interval.high - interval.low < FINEST {

@@ -4,9 +4,10 @@
 //! meet the others' only in the length that remains of the fixed sections, and where strands come close. Both are
 //! relaxed while a chain is searched, and checked of the whole; if they do not hold, the whole is searched.
 
+use super::found::{Chain, Found};
 use super::grid::Grid;
 use super::row::{GridRow, Stated};
-use super::search::{Chain, FEASIBLE, Found, Setting, search as whole};
+use super::search::{FEASIBLE, Setting, search as whole};
 use crate::solve::exact::grid::track;
 use crate::solve::exact::open::place;
 

@@ -28,6 +28,8 @@ pub struct GridRow {
     pub touch: Vec<Touch>,
     pub low: f64,
     pub equal: bool,
+    /// Which of the variables that cost something each it may be short by.
+    pub relief: Option<usize>,
 }
 
 /// The point p with a given heading on one of consecutive arcs that all turn in the same direction. The track there is
@@ -93,6 +95,7 @@ impl GridRow {
             touch: self.touch.iter().map(|t| Touch { pull: -t.pull, ..*t }).collect(),
             low,
             equal: false,
+            relief: None,
         }
     }
 

@@ -3,6 +3,8 @@
 use super::alternative::{Alternative, Remedy};
 use super::beside::Beside;
 use super::closes::{Closes, Needed, Off};
+use super::conveyors::{Conveyors, Missed};
+use super::found::Found;
 use super::grid::Grid;
 use super::master::{Pool, relax};
 use super::network::Limits;
@@ -44,6 +46,7 @@ pub struct Setting<'a> {
     pub grid: &'a Grid,
     pub limits: Limits,
     pub rows: Vec<GridRow>,
+    pub conveyors: &'a Conveyors,
     pub beside: Beside<'a>,
     pub effort: Effort,
     /// When it ends early.
@@ -65,28 +68,11 @@ pub struct Setting<'a> {
     pub told: &'a Told<'a>,
 }
 
-/// How a search ended.
-pub struct Found {
-    /// The best layout's variables, if any was found or given.
-    pub variables: Option<Vec<f64>>,
-    /// In the tariff's units: m, where length is minimised.
-    pub value: f64,
-    /// Rigorous, in the same units.
-    pub bound: f64,
-    pub nodes: usize,
-    /// Of chains that were searched apart; none where the whole was.
-    pub parts: Vec<Chain>,
-}
-
-/// How the search of one chain of a loop ended.
-#[derive(Clone, Copy, Debug)]
-pub struct Chain {
-    /// Its vertices by stage, from the first that turns on; beyond the last stage they go on at the first.
-    pub from: usize,
-    pub to: usize,
-    /// How far the loop may be from the best, as far as this chain is concerned, in the tariff's units.
-    pub gap: f64,
-    pub nodes: usize,
+impl Setting<'_> {
+    /// What a mix misses of conveyors' lengths by more than so much, in units of price.
+    fn missed(&self, node: &Node, mix: &[(Rc<Choice>, f64)], least: f64) -> Missed {
+        self.conveyors.missed((self.grid, &self.fixed), node, mix, least)
+    }
 }
 
 /// Searches from an incumbent, if there is one.
@@ -147,7 +133,8 @@ impl Search<'_> {
         let grid = self.setting.grid;
         node.pool.renew(grid, &self.setting.limits.tariff, &node.open, &node.rows);
         let cutoff = self.cutoff();
-        let mut dear = 50.0;
+        // Dearer than any relief.
+        let mut dear = self.setting.limits.reliefs.iter().fold(50.0f64, |dear, price| dear.max(10.0 * price));
         let relaxed = loop {
             let limits = &self.setting.limits;
             let Some(relaxed) = relax(grid, limits, &node.open, &node.rows, &mut node.pool, cutoff, dear) else {
@@ -157,6 +144,12 @@ impl Search<'_> {
             if node.bound >= cutoff {
                 self.left = self.left.min(node.bound);
                 return;
+            }
+            let missed = self.setting.missed(&node, relaxed.mix.as_deref().unwrap_or_default(), EARLY);
+            if !missed.rows.is_empty() {
+                node.rows.extend(missed.rows);
+                node.pool.renew(grid, &self.setting.limits.tariff, &node.open, &node.rows);
+                continue;
             }
             // Rows that no mix meets, though being short of them is cheaper than the cutoff.
             if relaxed.mix.is_some() || !node.open.settled() || dear > 1e7 {
@@ -379,6 +372,10 @@ impl Search<'_> {
         if let Some(alternatives) = self.enclose(&node, &value) {
             return self.branch(&node, alternatives);
         }
+        let missed = self.setting.missed(&node, &[(Rc::new(choice.clone()), 1.0)], 0.1 * ALIKE);
+        if !missed.rows.is_empty() {
+            return self.push(&node, |c| c.rows.extend(missed.rows));
+        }
         let x = choice.variables(grid);
         let at = problem.evaluate(&x, 0.0);
         let mut violated: Vec<(RowKey, f64)> = at
@@ -457,6 +454,9 @@ impl Search<'_> {
             // Nothing with these rows is shorter than the relaxation, which this is.
             self.left = self.left.min(node.bound);
             return;
+        }
+        if let Some(k) = missed.open {
+            return self.single_out(node, k, choice.headings[k]);
         }
         // Something that no row here says: other headings and radii remain, then this choice alone.
         if let Some(k) = (0..grid.len()).find(|&k| node.open.headings[k].len() > 1) {
