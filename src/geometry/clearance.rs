@@ -89,7 +89,24 @@ impl Region {
         for index in self.pierced(track) {
             self.piercing_approaches(track, index, &mut found);
         }
+        if self.outside && found.iter().all(|a| a.distance >= 0.0) && self.forbids(track.pieces[0].begin) {
+            found.extend(self.away(track));
+        }
         found
+    }
+
+    /// A track that lies outside of everything, as it passes no corner and is over no edge: the least of what its arcs are
+    /// behind an edge's line.
+    fn away(&self, track: &Track) -> Option<Approach> {
+        let behind = |(vertex, i): (usize, usize)| {
+            let (edge, fillet) = (self.edge(i), &track.fillets[vertex]);
+            let distance = edge.normal.dot(fillet.centre - edge.normal * fillet.radius - edge.begin);
+            let approach = Approach { feature: Feature::Edge(i), part: NearPiece::Arc(vertex), distance };
+            (distance < 0.0 && fillet.faces(-edge.normal)).then_some(approach)
+        };
+        let edges = 0..self.polygon.points().len();
+        let all = edges.flat_map(|i| (0..track.fillets.len()).map(move |vertex| (vertex, i)));
+        all.filter_map(behind).max_by(|a, b| a.distance.total_cmp(&b.distance))
     }
 
     /// The track's pieces that cut or touch the outline.
@@ -157,7 +174,7 @@ impl Region {
             if distance >= reach || foot < low || foot > high || !fillet.faces(-edge.normal) {
                 continue;
             }
-            let behind = distance < 0.0;
+            let behind = distance < 0.0 && !self.encloses(i);
             if behind && (!self.forbids(lowest) || self.nearest_edge(lowest) != i) {
                 continue;
             }
@@ -165,8 +182,17 @@ impl Region {
         }
     }
 
+    /// Whether everything that is allowed lies on one side of an edge's line, so that no arc may be behind it anywhere.
+    pub fn encloses(&self, i: usize) -> bool {
+        let edge = self.edge(i);
+        self.outside && self.polygon.points().iter().all(|p| edge.normal.dot(*p - edge.begin) >= -SLACK)
+    }
+
     /// From where to where along an edge, m from its begin, an arc over it approaches it.
     pub fn range(&self, i: usize) -> (f64, f64) {
+        if self.encloses(i) {
+            return (f64::NEG_INFINITY, f64::INFINITY);
+        }
         let edge = self.edge(i);
         let beyond = |corner: usize| if self.faces(corner) { SLACK } else { BEYOND };
         let next = (i + 1) % self.polygon.points().len();
@@ -285,6 +311,28 @@ mod tests {
         ];
         let region = Region { polygon: Polygon::new(walls).unwrap(), outside: true, lies: -1.0 };
         assert!((region.distance(&track) - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_loop_outside_of_its_building_is_told() {
+        let p = Point::new;
+        let hall = vec![p(0.0, 0.0), p(60.0, 0.0), p(60.0, 40.0), p(0.0, 40.0)];
+        // No edge of a star holds all of it.
+        let star = (0..10).map(|k| {
+            let far = if k % 2 == 0 { 60.0 } else { 20.0 };
+            p(30.0, 20.0) + Point::unit(std::f64::consts::PI * f64::from(k) / 5.0) * far
+        });
+        for walls in [hall, star.collect()] {
+            let region = Region { polygon: Polygon::new(walls).unwrap(), outside: true, lies: -1.0 };
+            for (x, y) in [(-30.0, -30.0), (-30.0, 70.0), (100.0, 70.0), (100.0, -40.0), (25.0, -60.0), (-90.0, 15.0)] {
+                let corner = |dx, dy| Corner { point: p(x + dx, y + dy), radius: 3.0 };
+                let track = Track::new(&[corner(0.0, 0.0), corner(20.0, 0.0), corner(20.0, 10.0), corner(0.0, 10.0)]);
+                assert!(region.distance(&track) < -1.0, "({x}, {y}): {}", region.distance(&track));
+            }
+            let corner = |dx, dy| Corner { point: p(20.0 + dx, 15.0 + dy), radius: 3.0 };
+            let track = Track::new(&[corner(0.0, 0.0), corner(20.0, 0.0), corner(20.0, 10.0), corner(0.0, 10.0)]);
+            assert!(region.distance(&track) > 1.0);
+        }
     }
 
     #[test]

@@ -332,3 +332,27 @@ fn short_straights_are_part_of_what_is_proven_of_a_chain() {
         assert!(longest > shortest + 1e-4, "{pitch}: it matters");
     }
 }
+
+/// Rotation apart nothing holds these loops: none lies anywhere but in its hall, whose walls it may be far from.
+#[test]
+fn a_loop_that_may_slide_stays_in_its_building() {
+    let hall = [(0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0)];
+    let notched = [(0.0, 0.0), (60.0, 0.0), (60.0, 20.0), (35.0, 20.0), (35.0, 40.0), (0.0, 40.0)];
+    for (walls, goal) in [(&hall[..], "length"), (&hall[..], "cost"), (&notched[..], "length")] {
+        let corners: Vec<String> = walls.iter().map(|(x, y)| format!("({x} m, {y} m)")).collect();
+        let layout = layout(&format!(
+            "use std.carts.tilt_tray\nuse std.tracks.standard\nlayout hall {{\n  catalog standard\n  \
+             cart tilt_tray(length: 1200 mm)\n  speed 2 m/s\n  width 1.2 m\n  \
+             building [{}] clearance 0.5 m\n  vertex P1 (8 m, 8 m) radius 3 m\n  vertex P2 (50 m, 8 m) radius 3 m\n  \
+             vertex P3 (50 m, 18 m) radius 3 m\n  vertex P4 (8 m, 18 m) radius 3 m\n  fix rotation P1..P2\n  \
+             chain closes within 20 mm\n  optimise {goal}\n}}\n",
+            corners.join(", ")
+        ));
+        let found = last(&layout, Effort::default(), 1);
+        // What closes for the least price is not proven here.
+        let status = if goal == "length" { Status::Proven } else { Status::BestFound };
+        assert_eq!(found.status, status, "{goal} {:?}", found.certificate);
+        let inside = |p: &Point| layout.building.as_ref().unwrap().polygon.contains(*p);
+        assert!(found.corners.iter().all(|c| inside(&c.point)), "{goal} {:?}", found.corners);
+    }
+}

@@ -358,11 +358,11 @@ fn edge_rows(arc: &Arc, keepout: &Keepout, edge: usize) -> Option<Vec<Alternativ
     let along = (e.end - e.begin) * (1.0 / e.begin.distance(e.end));
     let (low, high) = region.range(edge);
     let foot = along.dot(e.begin);
-    let mut rows = vec![
-        arc.centre(e.normal, -1.0, keepout.distance + e.normal.dot(e.begin)),
-        arc.centre(-along, 0.0, -(foot + low)),
-        arc.centre(along, 0.0, foot + high),
-    ];
+    let before = arc.centre(e.normal, -1.0, keepout.distance + e.normal.dot(e.begin));
+    if region.encloses(edge) {
+        return Some(vec![Alternative::row(before)]);
+    }
+    let mut rows = vec![before, arc.centre(-along, 0.0, -(foot + low)), arc.centre(along, 0.0, foot + high)];
     // Beyond the forbidden part, where that ends.
     if let Some(depth) = depth(region, edge, along, foot + low, foot + high) {
         rows.push(arc.centre(-e.normal, 1.0, depth - e.normal.dot(e.begin)));
