@@ -36,8 +36,8 @@ struct Grid<'a> {
     step: f64,
     /// Steps in a full turn.
     circle: i64,
-    /// The heading that the grid is counted from: that of a section whose rotation is fixed, if there is one, rad.
-    origin: f64,
+    /// The heading that the grid is counted from: that of a section whose heading is fixed, if there is one, rad.
+    origin: Option<f64>,
     /// Multiples of the step that the turn limits allow.
     multiples: (i64, i64),
     /// m, ascending, within the layout's limits.
@@ -180,6 +180,9 @@ impl Search<'_> {
                 break;
             }
             for neighbour in self.grid.neighbours(&headings) {
+                if self.grid.settings.stop.now() {
+                    break;
+                }
                 self.look(neighbour, &relaxed.variables);
             }
         }
@@ -198,7 +201,8 @@ impl<'a> Grid<'a> {
         let settings = SqpSettings { radius: 0.5, dearest: 0.0, ..*settings };
         let circle = (trig::TAU / step).round() as i64;
         let written = Track::new(&to_corners(&problem.start));
-        let origin = problem.rotations.first().map_or(0.0, |&i| written.straight(i).heading);
+        let held = (0..problem.vertices.len()).find(|&i| problem.holds_heading(i));
+        let origin = held.map(|i| written.straight(i).heading);
         (multiples.0 <= multiples.1 && !radii.is_empty()).then_some(Grid {
             problem,
             step,
@@ -218,7 +222,7 @@ impl<'a> Grid<'a> {
     fn nearest(&self, x: &[f64]) -> Headings {
         let track = Track::new(&to_corners(x));
         // Where nothing fixes the rotation, the whole grid turns with the first section.
-        let origin = if self.problem.rotations.is_empty() { track.straight(0).heading } else { self.origin };
+        let origin = self.origin.unwrap_or_else(|| track.straight(0).heading);
         let step = |i: usize| (trig::wrap(track.straight(i).heading - origin) / self.step).round() as i64;
         (0..self.len()).map(step).collect()
     }
@@ -342,15 +346,7 @@ impl<'a> Grid<'a> {
             next[i] += by;
             next
         };
-        let free = (0..self.len()).filter(|&i| !self.rotation_fixed(i));
+        let free = (0..self.len()).filter(|&i| !self.problem.holds_heading(i));
         free.flat_map(|i| [step(i, 1), step(i, -1)]).collect()
-    }
-
-    /// Whether a section's heading cannot change: both ends fixed, or its rotation.
-    fn rotation_fixed(&self, i: usize) -> bool {
-        let j = (i + 1) % self.len();
-        let ends = [3 * i, 3 * i + 1, 3 * j, 3 * j + 1];
-        let fixed = |k: usize| self.problem.bounds[k].low == self.problem.bounds[k].high;
-        ends.into_iter().all(fixed) || self.problem.rotations.contains(&i)
     }
 }
