@@ -20,9 +20,9 @@ use crate::elements::{self, Bill, OrderedPiece, Sequence, Space};
 use crate::geometry::clearance::Region;
 use crate::geometry::{Hand, Outline, Track};
 use crate::kinematics::{Fit, fit};
-use crate::model::{Layout, Side, Stands};
+use crate::model::{Layout, Side};
 use crate::placement::{self, Placement};
-use crate::solve::{Counted, Stage, Status};
+use crate::solve::{self, Counted, Stage, Status};
 
 /// How the track's band meets an obstacle, or the building's outside.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -112,8 +112,7 @@ impl Compiled {
         let layout = &self.layout;
         let total = order::total(self);
         let same = total.groups.iter().filter(|(group, _)| matches!(group, Group::Drive | Group::Sensors));
-        let free = layout.equipment.declared.iter().any(|d| matches!(d.stands, Stands::Free { .. }));
-        let equipment = if free { 0.0 } else { self.placement.equipment };
+        let equipment = if solve::counts_equipment(layout) { 0.0 } else { self.placement.equipment };
         let chain = layout.price_of_a_pitch() / layout.cart.length * (layout.most_left_over() + cut);
         // Prices are rounded to the cent line by line.
         let lines = self.bill.lines.len() + self.bill.count;

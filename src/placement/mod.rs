@@ -22,7 +22,7 @@ mod ways;
 pub use conveyors::conveyors;
 pub use findings::findings;
 pub use footprint::{Footprint, Line, Rectangle};
-pub use nearest::{HalfSpace, Nearest, Way, nearest};
+pub use nearest::{Along, HalfSpace, Nearest, Way, nearest};
 pub use needs::{Need, least_conveyors, needs, next};
 
 use crate::geometry::Track;

@@ -1,11 +1,20 @@
 //! How long the conveyor to a piece of equipment is at least, wherever its section lies: to the nearest point of its outer
-//! edge's line between what has to stand before it and behind it on the section. That is convex in the section's ends, and
-//! where nothing else is in the way it is the length.
+//! edge's line between what has to stand before it and behind it on the section, or to its place where that is given. That is
+//! convex in the section's ends, and where nothing else is in the way it is the length.
 
 use super::needs::{is_split, parts, sides};
 use super::sequence::{Part, least_length};
 use crate::geometry::{Point, Track};
 use crate::model::{Declared, Layout, Stands};
+
+/// Where on a section the middle of equipment may stand, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Along {
+    /// So far from the beginning of its straight.
+    At(f64),
+    /// Least distances from the beginning and from the end of the straight.
+    Between { before: f64, behind: f64 },
+}
 
 /// Equipment that may stand on one section only, and whose conveyor costs.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,9 +26,7 @@ pub struct Nearest {
     pub from: Point,
     /// Of a metre of all its conveyors, EUR.
     pub price: f64,
-    /// Least distance of its middle from the beginning and from the end of the straight, m.
-    pub before: f64,
-    pub behind: f64,
+    pub along: Along,
     /// Where its outer edge lies, m to the left of the section: between these, of two sides that it may stand on.
     pub across: (f64, f64),
 }
@@ -54,38 +61,49 @@ pub fn nearest(layout: &Layout, written: &Track) -> Vec<Nearest> {
         Stands::Free { on, .. } => matches!(on[..], [_]).then(|| on[0]),
         Stands::At(_) | Stands::Row(_) => None,
     };
-    let one = |(index, own): (usize, &Declared)| {
-        let (section, from) = (only(own)?, own.fed.filter(|_| own.of.conveyor > 0.0)?);
+    let all = |(index, own): (usize, &Declared)| -> Vec<Nearest> {
+        let Some(from) = own.fed.filter(|_| own.of.conveyor > 0.0) else { return Vec::new() };
         let edge = layout.width.value / 2.0 + own.of.depth;
         let (left, right) = sides(&own.of, written);
-        let inset = own.of.from_curve + 0.5 * own.of.stretch;
-        let (mut before, mut behind) = (inset, inset);
-        let is_on = |d: &Declared, side: usize| [sides(&d.of, written).0, sides(&d.of, written).1][side] > 0.0;
-        for side in (0..2).filter(|side| is_on(own, *side)) {
-            let beside = |d: &&Declared| only(d) == Some(section) && is_on(d, side);
-            let members: Vec<&Declared> = declared.iter().filter(beside).collect();
-            let Some(place) = members.iter().position(|d| d.name == own.name) else { continue };
-            let mut standing = parts(&members, is_split(layout, section));
-            // The first of several has others of it behind, and not before.
-            standing[place].count = 1;
-            before = before.max(least_before(&standing, place) - inset);
-            behind = behind.max(least_before(&reversed(&standing), place) - inset);
-        }
         let across = (
             if right > 0.0 || left == 0.0 { -edge } else { edge },
             if left > 0.0 || right == 0.0 { edge } else { -edge },
         );
-        Some(Nearest {
-            declared: index,
-            section,
-            from,
-            price: own.count() as f64 * own.of.conveyor,
-            before,
-            behind,
-            across,
-        })
+        let near = |section: usize, pieces: usize, along: Along| {
+            let price = pieces as f64 * own.of.conveyor;
+            Nearest { declared: index, section, from, price, along, across }
+        };
+        match only(own) {
+            Some(section) => {
+                let members = |side: usize| -> Vec<&Declared> {
+                    let beside = |d: &&Declared| {
+                        let (left, right) = sides(&d.of, written);
+                        only(d) == Some(section) && [left, right][side] > 0.0
+                    };
+                    declared.iter().filter(beside).collect()
+                };
+                let sides: Vec<Vec<&Declared>> = (0..2).map(members).collect();
+                vec![near(section, own.count(), between(own, &sides, is_split(layout, section)))]
+            }
+            None => own.given().iter().map(|place| near(place.section, 1, Along::At(place.at))).collect(),
+        }
     };
-    declared.iter().enumerate().filter_map(one).collect()
+    declared.iter().enumerate().flat_map(all).collect()
+}
+
+/// What has to stand before equipment and behind it, of what stands on either side of its section.
+fn between(own: &Declared, sides: &[Vec<&Declared>], split: bool) -> Along {
+    let inset = own.of.from_curve + 0.5 * own.of.stretch;
+    let (mut before, mut behind) = (inset, inset);
+    for members in sides {
+        let Some(place) = members.iter().position(|d| d.name == own.name) else { continue };
+        let mut standing = parts(members, split);
+        // The first of several has others of it behind, and not before.
+        standing[place].count = 1;
+        before = before.max(least_before(&standing, place) - inset);
+        behind = behind.max(least_before(&reversed(&standing), place) - inset);
+    }
+    Along::Between { before, behind }
 }
 
 /// The least length of a straight for a part and all that has to stand before it, m.
@@ -123,8 +141,13 @@ impl Nearest {
     pub fn way(&self, begin: Point, heading: Point, length: f64) -> Way {
         let from = self.from - begin;
         let (along, left) = (from.dot(heading), from.dot(heading.left()));
-        let (ahead, back) = ((self.before - along).max(0.0), (along - length + self.behind).max(0.0));
-        let along = if ahead >= back { ahead } else { -back };
+        let along = match self.along {
+            Along::At(at) => at - along,
+            Along::Between { before, behind } => {
+                let (ahead, back) = ((before - along).max(0.0), (along - length + behind).max(0.0));
+                if ahead >= back { ahead } else { -back }
+            }
+        };
         Way { along, left: left.clamp(self.across.0, self.across.1) - left }
     }
 
@@ -144,8 +167,11 @@ impl Nearest {
         let (along, left) = (way.along / length, way.left / length);
         let pull = heading * along + heading.left() * left;
         let across = (left * self.across.0).min(left * self.across.1);
-        let of_end = along < 0.0;
-        let inset = if of_end { -along * self.behind } else { along * self.before };
+        let (of_end, inset) = match self.along {
+            Along::At(at) => (false, along * at),
+            Along::Between { behind, .. } if along < 0.0 => (true, -along * behind),
+            Along::Between { before, .. } => (false, along * before),
+        };
         Some(HalfSpace { pull, of_end, low: inset + across - pull.dot(self.from) })
     }
 }
@@ -163,8 +189,10 @@ mod tests {
             section: 0,
             from: Point::new(between(-20.0, 20.0), between(-20.0, 20.0)),
             price: 1.0,
-            before: between(0.5, 3.0),
-            behind: between(0.5, 3.0),
+            along: match between(0.0, 4.0) < 1.0 {
+                true => Along::At(between(0.0, 4.0)),
+                false => Along::Between { before: between(0.5, 3.0), behind: between(0.5, 3.0) },
+            },
             across: (right, if between(0.0, 2.0) < 1.0 { right } else { -right }),
         }
     }
@@ -177,9 +205,12 @@ mod tests {
             let near = drawn(&mut random);
             let heading = Point::unit(6.3 * random.uniform());
             let begin = Point::new(10.0 * random.uniform(), 10.0 * random.uniform());
-            let length = near.before + near.behind + 12.0 * random.uniform();
+            let length = 6.0 + 12.0 * random.uniform();
             let places = (0..=2000).flat_map(|k| {
-                let at = near.before + (length - near.before - near.behind) * f64::from(k) / 2000.0;
+                let at = match near.along {
+                    Along::At(at) => at,
+                    Along::Between { before, behind } => before + (length - before - behind) * f64::from(k) / 2000.0,
+                };
                 [near.across.0, near.across.1].map(|left| begin + heading * at + heading.left() * left)
             });
             let found = near.way(begin, heading, length).length();
@@ -199,7 +230,7 @@ mod tests {
             let heading = Point::unit(6.3 * random.uniform());
             let mut section = || {
                 let begin = Point::new(30.0 * random.uniform() - 15.0, 30.0 * random.uniform() - 15.0);
-                (begin, near.before + near.behind + 12.0 * random.uniform())
+                (begin, 6.0 + 12.0 * random.uniform())
             };
             let (begin, length) = section();
             let Some(half) = near.half_space(near.way(begin, heading, length), heading) else { continue };

@@ -18,12 +18,15 @@ pub fn solve_with(layout: &Layout, options: &Options, discretise: Discretise, wa
         return Vec::new();
     }
     let objective = &layout.objective;
+    // Of these the price is that of the track: conveyors follow from where equipment is placed on it.
+    let mut alone = layout.clone();
+    alone.equipment.declared.iter_mut().for_each(|declared| declared.fed = None);
     let mut stages = if let Some(budget) = Budget::of(objective) {
-        budget.solve(layout, options, discretise, watch)
+        budget.solve(&alone, options, discretise, watch)
     } else if let Some(traded) = polygon::Traded::of(objective) {
-        traded.solve(layout, options, discretise, watch)
+        traded.solve(&alone, options, discretise, watch)
     } else if let Some(goal) = polygon::Smooth::of(objective) {
-        polygon::solve(layout, goal, options, discretise, watch)
+        polygon::solve(&alone, goal, options, discretise, watch)
     } else {
         return stages::solve_in_stages(layout, options, discretise, watch);
     };

@@ -31,7 +31,7 @@ mod violations;
 pub use crate::base::stop::{Cut, Stop};
 pub use certificate::{Certificate, Counted, Part};
 pub use conflict::{Assumed, Conflict, Decides, LineKind, Member, Pieces, Proof, Relaxed, Within, implied};
-pub use equipped::solve;
+pub use equipped::{counts as counts_equipment, solve};
 pub use exact::{discretise, least_price, worth};
 pub use freedom::{ActiveRow, Freedom, Hold, VertexFreedom, freedom};
 pub use goals::solve_with;

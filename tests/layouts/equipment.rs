@@ -218,6 +218,19 @@ fn what_stands_between_inductions_counts_for_their_conveyors() {
     }
 }
 
+/// A conveyor to a given place is as long as the track lets it be, and counts: the loop lies where it is shortest, and not
+/// where it was written.
+#[test]
+fn a_conveyor_to_a_given_place_counts() {
+    let lines = "  fix rotation P1..P2\n  induction in of feeder on P1..P2 at 3 m fed from (60 m, 4 m)\n";
+    for goal in ["cost", "total_price"] {
+        let compiled = built(&hall("standard", &format!("{lines}  optimise {goal}\n")));
+        assert!(compiled.placement.conveyors < 1e-3, "{goal}: {}", compiled.placement.conveyors);
+        let certificate = compiled.stages.last().unwrap().certificate.clone().unwrap();
+        assert!(certificate.gap < 1e-3, "{goal}: {certificate:?}");
+    }
+}
+
 /// A certificate holds for every other track with its equipment: those of straights longer by some metres.
 #[test]
 fn no_longer_track_beats_the_bound() {

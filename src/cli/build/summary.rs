@@ -96,6 +96,9 @@ struct EquipmentSummary {
     conveyors_eur: f64,
     /// No places on this track need cheaper conveyors.
     conveyors_lower_bound_eur: f64,
+    /// With the track's elements, where that is what was minimised.
+    #[serde(skip)]
+    with_track: Option<f64>,
 }
 
 impl EquipmentSummary {
@@ -108,6 +111,11 @@ impl EquipmentSummary {
             conveyors_m: found.placed.iter().filter_map(|p| p.conveyor).sum(),
             conveyors_eur: found.conveyors,
             conveyors_lower_bound_eur: found.bound,
+            with_track: compiled.stages.last().and_then(|last| {
+                let certificate = last.certificate.as_ref()?;
+                let counts = certificate.counted == (Counted::Price { metre: 0.0 }) && !certificate.in_all;
+                counts.then(|| compiled.bill.price + found.price())
+            }),
         })
     }
 
@@ -123,6 +131,9 @@ impl EquipmentSummary {
         }
         if self.missing > 0 {
             out += &format!("; NO ROOM FOR {} MORE", self.missing);
+        }
+        if let Some(price) = self.with_track {
+            out += &format!("; with the track {price:.2} EUR");
         }
         out + "\n"
     }

@@ -47,11 +47,18 @@ const BETTER: f64 = 1e-9;
 /// Solves a layout in stages; the last one returned is the result. Equipment that is placed freely has its part in which
 /// track that is. A layout without vertices has no stages: `route::find` gives it vertices.
 pub fn solve(layout: &Layout, options: &Options, watch: Tell) -> Vec<Stage> {
-    let free = layout.equipment.declared.iter().any(|d| matches!(d.stands, Stands::Free { .. }));
-    if !free || layout.vertices.is_empty() || !is_known(&layout.objective) {
+    if !counts(layout) || layout.vertices.is_empty() || !is_known(&layout.objective) {
         return goals::solve(layout, options, watch);
     }
     Search::new(layout, options, watch).run()
+}
+
+/// Whether equipment has its part in which track is the best: where some is placed freely, and where a price counts and a
+/// conveyor to a given place is as long as the track lets it be.
+pub fn counts(layout: &Layout) -> bool {
+    let costs = layout.objective.weight(Goal::Cost).is_some();
+    let fed = |d: &Declared| d.fed.is_some() && d.of.conveyor > 0.0;
+    layout.equipment.declared.iter().any(|d| matches!(d.stands, Stands::Free { .. }) || (costs && fed(d)))
 }
 
 /// Length, cost and their sum; other goals place equipment on the track that they find.
