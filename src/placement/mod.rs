@@ -17,6 +17,7 @@ mod shadow;
 mod task;
 #[cfg(test)]
 mod tests;
+mod walls;
 mod ways;
 
 pub use conveyors::conveyors;
@@ -24,6 +25,7 @@ pub use findings::findings;
 pub use footprint::{Footprint, Line, Rectangle};
 pub use nearest::{Along, HalfSpace, Nearest, Way, nearest};
 pub use needs::{Need, least_conveyors, needs, next};
+pub use walls::{Wall, walls};
 
 use crate::geometry::Track;
 use crate::model::{Chutes, EquipmentKind, Induction, Layout, PlaceRow, StraightPlace};

@@ -201,7 +201,8 @@ impl<'a> Grid<'a> {
         let settings = SqpSettings { radius: 0.5, dearest: 0.0, ..*settings };
         let circle = (trig::TAU / step).round() as i64;
         let written = Track::new(&to_corners(&problem.start));
-        let held = (0..problem.vertices.len()).find(|&i| problem.holds_heading(i));
+        let mut held = problem.rotations.iter().copied().chain(0..problem.vertices.len());
+        let held = held.find(|&i| problem.holds_heading(i));
         let origin = held.map(|i| written.straight(i).heading);
         (multiples.0 <= multiples.1 && !radii.is_empty()).then_some(Grid {
             problem,

@@ -218,6 +218,24 @@ fn what_stands_between_inductions_counts_for_their_conveyors() {
     }
 }
 
+/// An induction 2 m deep is fed from a wall, which chutes 5 m deep beside it keep 5 m from the band: a metre of conveyor is
+/// worth more than all of track that reaches for the wall.
+#[test]
+fn walls_keep_a_track_from_where_its_conveyors_come() {
+    let lines = "  building [(0 m, 0 m), (60 m, 0 m), (60 m, 40 m), (0 m, 40 m)]\n  fix rotation P1..P2\n  \
+                 chutes row_a of slide at least 6 on P1..P2 after in\n  \
+                 induction in of feeder on P1..P2 fed from (25 m, 0 m)\n  optimise cost\n";
+    let mut layout = hall("standard", lines);
+    let of = |layout: &Layout, name: &str| layout.equipment.declared.iter().position(|d| d.name == name).unwrap();
+    let row = of(&layout, "row_a");
+    layout.equipment.declared[row].of.depth = 5.0;
+    let compiled = built(&layout);
+    let certificate = compiled.stages.last().unwrap().certificate.clone().unwrap();
+    let (conveyors, left) = (compiled.placement.conveyors, certificate.value - certificate.lower_bound);
+    assert!(certificate.gap < 1e-3, "{certificate:?}");
+    assert!((2999.9..3000.1 + left).contains(&conveyors), "{conveyors} {left}");
+}
+
 /// A conveyor to a given place is as long as the track lets it be, and counts: the loop lies where it is shortest, and not
 /// where it was written.
 #[test]

@@ -93,6 +93,24 @@ fn fed(layout: &Layout) -> Vec<(usize, f64)> {
     layout.equipment.declared.iter().enumerate().filter_map(one).collect()
 }
 
+/// What walls ask, as constraints.
+fn walls(layout: &Layout) -> Vec<Constraint> {
+    let problem = Problem::new(layout, Scope::Building);
+    let held = |section: usize| problem.holds_heading(section);
+    let constraint = |wall: placement::Wall| {
+        let term = |factor: f64, of: Formula| Formula::Product(vec![Formula::Constant(factor), of]);
+        let (x, y) = (term(wall.pull.x, Formula::X(wall.vertex)), term(wall.pull.y, Formula::Y(wall.vertex)));
+        let formula = Formula::Sum(vec![x, y]);
+        let kind = ConstraintKind::Require { formula, low: wall.low, high: f64::INFINITY, unit: Unit::Metre };
+        Constraint { kind, reason: None, span: layout.equipment.declared[wall.declared].span }
+    };
+    placement::walls(layout, &Track::new(&layout.corners()), &held).into_iter().map(constraint).collect()
+}
+
+fn is_infeasible(stages: &[Stage]) -> bool {
+    stages.last().is_none_or(|last| last.certificate.is_none() || last.status == Status::Infeasible)
+}
+
 /// What a track's search counts of conveyors.
 fn conveyors(layout: &Layout) -> exact::Conveyors {
     exact::Conveyors::new(layout, &Track::new(&layout.corners()))
@@ -113,6 +131,8 @@ struct Search<'a> {
     written: Track,
     /// What is fed, one piece each, and the price of a metre of its conveyor, EUR; none where only length counts.
     fed: Vec<(usize, f64)>,
+    /// What walls ask of a track that a conveyor draws towards them.
+    walls: Vec<Constraint>,
     best: Option<Whole>,
     /// No layout of the nodes that were left is better.
     closed: f64,
@@ -130,6 +150,7 @@ impl<'a> Search<'a> {
             watch,
             written: Track::new(&layout.corners()),
             fed: if costs { fed(layout) } else { Vec::new() },
+            walls: if costs { walls(layout) } else { Vec::new() },
             best: None,
             closed: f64::INFINITY,
             nodes: 0,
@@ -156,7 +177,12 @@ impl<'a> Search<'a> {
                 self.close(&next, next.bound);
                 continue;
             }
-            let (layout, mut stages) = self.track(&next, tracks);
+            let (mut layout, mut stages) = self.track(&next, tracks);
+            if tracks == 0 && !self.walls.is_empty() && is_infeasible(&stages) {
+                // What is in the way of what is told of a track without them.
+                self.walls.clear();
+                (layout, stages) = self.track(&next, tracks);
+            }
             tracks += 1;
             let Some(last) = stages.last() else { return stages };
             let Some(certificate) = last.certificate.clone().filter(|_| last.status != Status::Infeasible) else {
@@ -265,6 +291,7 @@ impl<'a> Search<'a> {
 
     fn track(&self, node: &Node, tracks: usize) -> (Layout, Vec<Stage>) {
         let mut layout = self.layout.clone();
+        layout.constraints.extend(self.walls.iter().cloned());
         layout.constraints.extend(node.straights.iter().map(|&(from, low)| {
             let formula = Formula::Length(Target { from, straight: true });
             let kind = ConstraintKind::Require { formula, low, high: f64::INFINITY, unit: Unit::Metre };
