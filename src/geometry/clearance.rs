@@ -166,7 +166,8 @@ impl Region {
         let edge = self.edge(i);
         let length = edge.begin.distance(edge.end);
         let along = (edge.end - edge.begin) * (1.0 / length);
-        let (low, high) = self.range(i);
+        let encloses = self.encloses(i);
+        let (low, high) = if encloses { (f64::NEG_INFINITY, f64::INFINITY) } else { self.range(i) };
         for (vertex, fillet) in track.fillets.iter().enumerate() {
             let lowest = fillet.centre - edge.normal * fillet.radius;
             let distance = edge.normal.dot(lowest - edge.begin);
@@ -174,7 +175,7 @@ impl Region {
             if distance >= reach || foot < low || foot > high || !fillet.faces(-edge.normal) {
                 continue;
             }
-            let behind = distance < 0.0 && !self.encloses(i);
+            let behind = distance < 0.0 && !encloses;
             if behind && (!self.forbids(lowest) || self.nearest_edge(lowest) != i) {
                 continue;
             }
@@ -184,15 +185,15 @@ impl Region {
 
     /// Whether everything that is allowed lies on one side of an edge's line, so that no arc may be behind it anywhere.
     pub fn encloses(&self, i: usize) -> bool {
+        if !self.outside {
+            return false;
+        }
         let edge = self.edge(i);
-        self.outside && self.polygon.points().iter().all(|p| edge.normal.dot(*p - edge.begin) >= -SLACK)
+        self.polygon.points().iter().all(|p| edge.normal.dot(*p - edge.begin) >= -SLACK)
     }
 
-    /// From where to where along an edge, m from its begin, an arc over it approaches it.
+    /// From where to where along an edge that does not enclose, m from its begin, an arc over it approaches it.
     pub fn range(&self, i: usize) -> (f64, f64) {
-        if self.encloses(i) {
-            return (f64::NEG_INFINITY, f64::INFINITY);
-        }
         let edge = self.edge(i);
         let beyond = |corner: usize| if self.faces(corner) { SLACK } else { BEYOND };
         let next = (i + 1) % self.polygon.points().len();

@@ -111,11 +111,6 @@ fn is_infeasible(stages: &[Stage]) -> bool {
     stages.last().is_none_or(|last| last.certificate.is_none() || last.status == Status::Infeasible)
 }
 
-/// What a track's search counts of conveyors.
-fn conveyors(layout: &Layout) -> exact::Conveyors {
-    exact::Conveyors::new(layout, &Track::new(&layout.corners()))
-}
-
 /// A track with its equipment.
 struct Whole {
     stages: Vec<Stage>,
@@ -209,7 +204,9 @@ impl<'a> Search<'a> {
             let track = Track::new(&last.corners);
             let mut placement = placement::place(&layout, &track);
             let mut next = next;
-            next.bound = next.bound.max(self.bound(&layout, counted, certificate.lower_bound));
+            // What the track's search counted of them; nothing under length.
+            let conveyors = exact::Conveyors::new(&layout, &self.written);
+            next.bound = next.bound.max(self.bound(&layout, &conveyors, counted, certificate.lower_bound));
             let mut longer = (Vec::new(), true);
             if !placement.is_whole() {
                 longer = self.longer(&next, &track, &placement);
@@ -221,7 +218,8 @@ impl<'a> Search<'a> {
                 }
             }
             let lacking: usize = placement.missing.iter().map(|(_, n)| n).sum();
-            let own = self.without_conveyors(&layout, &track, &certificate);
+            // What it is worth without its conveyors.
+            let own = certificate.value - conveyors.price(&track);
             self.keep(stages, (counted, own), &placement, lacking);
             let least = self.best.as_ref().filter(|best| best.lacking == 0).map_or(f64::INFINITY, |best| best.value);
             open.extend(next.shorter(lacking == 0, least));
@@ -268,25 +266,17 @@ impl<'a> Search<'a> {
 
     /// No layout of a node is better than its track's bound with the conveyors that it counts, its equipment's price and
     /// that of other conveyors at their least. `layout` is the node's.
-    fn bound(&self, layout: &Layout, counted: Counted, track: f64) -> f64 {
+    fn bound(&self, layout: &Layout, conveyors: &exact::Conveyors, counted: Counted, track: f64) -> f64 {
         if counted == Counted::Length {
             return track;
         }
         let declared = &layout.equipment.declared;
         let equipment: f64 = declared.iter().map(|d| d.count() as f64 * d.of.article.price.unwrap_or(0.0)).sum();
-        let known: Vec<usize> = conveyors(layout).declared().collect();
+        let known: Vec<usize> = conveyors.declared().collect();
         let least = placement::least_conveyors(layout, &self.written);
         let others = (0..declared.len()).filter(|i| !known.contains(i));
         let other: f64 = others.map(|i| declared[i].count() as f64 * declared[i].of.conveyor * least[i]).sum();
         (track + equipment + other) * (1.0 - 4.0 * f64::EPSILON)
-    }
-
-    /// What a track is worth without its conveyors, m or EUR.
-    fn without_conveyors(&self, layout: &Layout, track: &Track, certificate: &Certificate) -> f64 {
-        match certificate.counted {
-            Counted::Length => certificate.value,
-            Counted::Price { .. } => certificate.value - conveyors(layout).price(track),
-        }
     }
 
     fn track(&self, node: &Node, tracks: usize) -> (Layout, Vec<Stage>) {

@@ -206,8 +206,8 @@ impl Task<'_> {
     /// their pieces; where chains are searched apart, without those of the sections between chains, and then with them.
     fn cheapest(&self, grid: &Grid, incumbent: Option<(Vec<f64>, f64)>) -> Found {
         *self.cheapest.borrow_mut() = incumbent;
-        let apart = parts::split(grid, &row::state(self.problem, grid)) && self.layout.is_flat();
-        let apart = apart && self.conveyors.is_empty();
+        let split = parts::split(grid, &row::state(self.problem, grid));
+        let apart = split && self.layout.is_flat() && self.conveyors.is_empty();
         let mut phases = vec![(Detail::Envelope, apart), (Detail::Steps, apart)];
         if apart {
             phases.push((Detail::Steps, false));
