@@ -46,7 +46,13 @@ pub fn refused(chosen: &Chosen) -> Vec<Diagnostic> {
 
 /// Where a choice can be widened.
 fn free(chosen: &Chosen) -> Span {
-    chosen.layout.choice.statements.free.first().copied().unwrap_or(chosen.layout.span)
+    chosen.layout.choice.statements.free.first().map_or(chosen.layout.span, |(_, span)| *span)
+}
+
+/// With what is free that the capacity depends on.
+fn chosen_from(chosen: &Chosen, said: Diagnostic) -> Diagnostic {
+    let free = chosen.layout.choice.statements.free.iter().filter(|(free, _)| free.changes_capacity());
+    free.fold(said, |said, (_, span)| said.related(*span, "chosen from here"))
 }
 
 /// `cart tilt_tray 600 mm at 2 m/s with 12 × linear_motor`
@@ -57,13 +63,15 @@ pub fn words(chosen: &Chosen, candidate: &Candidate) -> String {
         chosen.take_up(candidate).map_or_else(String::new, |take_up| format!(", take-up {}", take_up.written));
     let sensor = chosen.sensor(candidate).map_or_else(String::new, |sensor| format!(", sensor {}", sensor.written));
     let numbers = chosen.numbers(candidate).into_iter().map(|(name, count)| format!(", {count} × {name}"));
+    let motors = match candidate.motors {
+        0 => String::new(),
+        count => format!(" with {count} × {}", motor.name),
+    };
     format!(
-        "cart {} {} mm at {} m/s with {} × {}{}{take_up}{sensor}{}",
+        "cart {} {} mm at {} m/s{motors}{}{take_up}{sensor}{}",
         cart.name,
         trimmed(cart.length * 1e3, 3),
         trimmed(candidate.speed, 4),
-        candidate.motors,
-        motor.name,
         numbers.collect::<String>(),
         radius.map_or_else(String::new, |radius| format!(", least radius {} m", trimmed(radius, 3)))
     )
@@ -101,7 +109,7 @@ fn none_reaches(chosen: &Chosen, requirement: Requirement) -> Option<Diagnostic>
                 format!("at least {} items an hour", fixed(short.wanted, 0)),
                 format!("at most {}, with {near}{limit}", fixed(short.found, 0)),
             );
-            let said = chosen.layout.choice.statements.free.iter().fold(said, |d, s| d.related(*s, "chosen from here"));
+            let said = chosen_from(chosen, said);
             let speed = candidate.speed * short.wanted / short.found.max(f64::MIN_POSITIVE);
             said.help(match candidate.capacity.as_ref().filter(|_| short.found > 0.0) {
                 Some(bound) => way_out(bound.limit, speed),
@@ -148,7 +156,14 @@ fn none_reaches(chosen: &Chosen, requirement: Requirement) -> Option<Diagnostic>
         }
         _ => {
             let statements = &layout.choice.statements;
-            let span = statements.free.iter().chain(&statements.places).next().copied().unwrap_or(layout.span);
+            let span = statements
+                .free
+                .iter()
+                .map(|(_, span)| span)
+                .chain(&statements.places)
+                .next()
+                .copied()
+                .unwrap_or(layout.span);
             let drive = &layout.choice.drive;
             let related = [&drive.starts, &drive.stops];
             let places = if layout.choice.on_straights { "the straights have" } else { "the track has" };
@@ -192,7 +207,7 @@ fn short_in_simulation(chosen: &Chosen) -> Option<Diagnostic> {
         format!("at least {} items an hour", fixed(required.least.value, 0)),
         format!("{} at the most, with {}", simulated_words((found, required.least.value)), words(chosen, near)),
     );
-    let said = chosen.layout.choice.statements.free.iter().fold(said, |d, s| d.related(*s, "chosen from here"));
+    let said = chosen_from(chosen, said);
     let speed = near.speed * required.least.value / found.value.max(f64::MIN_POSITIVE);
     Some(match near.capacity.as_ref().filter(|_| found.value > 0.0) {
         Some(bound) => said.help(way_out(bound.limit, speed)),

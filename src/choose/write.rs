@@ -99,7 +99,8 @@ pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Opti
     let variant = Variant::of(sources, chosen);
     let is_base = |span: &Span| variant.as_ref().is_some_and(|own| !own.has(span));
     let elsewhere = |span: &Span| span.file != file;
-    if all.iter().flatten().chain(&at.places).chain(&at.free).chain(vertices).any(elsewhere)
+    let free = || at.free.iter().map(|(_, span)| span);
+    if all.iter().flatten().chain(&at.places).chain(free()).chain(vertices).any(elsewhere)
         || numbers().any(|(place, _)| elsewhere(&place.span) || is_base(&place.span))
         || closes.is_some_and(|(span, _)| elsewhere(&span))
     {
@@ -120,7 +121,7 @@ pub fn text(sources: &SourceMap, chosen: &Chosen, candidate: &Candidate) -> Opti
     put(at.take_up, lines.take_up.as_ref());
     put(at.sensor, lines.sensor.as_ref());
     put(at.radii, lines.radii.as_ref());
-    let mut removed: Vec<Span> = at.free.clone();
+    let mut removed: Vec<Span> = free().copied().collect();
     let mut places = at.places.iter();
     if !lines.places.is_empty() {
         put(places.next().copied(), Some(&lines.places.join("\n")));

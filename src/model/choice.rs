@@ -114,5 +114,25 @@ pub struct ChoiceStatements {
     pub places: Vec<Span>,
     pub radii: Option<Span>,
     /// `choose ...`
-    pub free: Vec<Span>,
+    pub free: Vec<(Freed, Span)>,
+}
+
+/// What a statement leaves free.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Freed {
+    Cart,
+    Speed,
+    Motor,
+    TakeUp,
+    Sensor,
+    Radii,
+    /// How much there is of some equipment.
+    Count,
+}
+
+impl Freed {
+    /// Whether the capacity depends on it.
+    pub fn changes_capacity(self) -> bool {
+        matches!(self, Freed::Cart | Freed::Speed | Freed::Count)
+    }
 }

@@ -7,7 +7,7 @@ use crate::base::number::trimmed;
 use crate::base::words::list;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Track;
-use crate::model::{EquipmentKind, Layout, Stands, TOLERANCE};
+use crate::model::{EquipmentKind, EquipmentType, Layout, Stands, TOLERANCE};
 use crate::source::Span;
 
 /// An error for each declaration that is not placed as a whole, and for equipment that stands in something where the layout
@@ -62,7 +62,6 @@ fn given(layout: &Layout, track: &Track, task: &Task, i: usize) -> Option<(Optio
     let line = &task.lines[own.place.section];
     let name = format!("{} `{}`", of.kind.word(), declared.one(own.number));
     let room = others.whole_room(layout, track, of, own.place.section, own.sides);
-    let last = line.length - of.stretch - of.from_curve;
     let free = room
         .as_ref()
         .is_some_and(|room| room.free.iter().any(|f| f.0 - TOLERANCE <= begin && begin <= f.1 + TOLERANCE));
@@ -104,18 +103,25 @@ fn given(layout: &Layout, track: &Track, task: &Task, i: usize) -> Option<(Optio
                 None => diagnostic,
             }
         }
-        None => Diagnostic::new(
-            Code::E0606,
-            format!("{name} is too near to a curve"),
-            declared.span,
-            format!("covers {} m to {} m along the straight", trimmed(begin, 3), trimmed(begin + of.stretch, 3)),
-        )
-        .expected(
-            format!("a middle between {} m and {} m", trimmed(of.from_curve + middle, 3), trimmed(last + middle, 3)),
-            format!("`at {} m`", trimmed(own.place.at, 3)),
-        ),
+        None => {
+            let (expected, found) = straight(of, line.length, own.place.at);
+            let covers = (trimmed(begin, 3), trimmed(begin + of.stretch, 3));
+            let label = format!("covers {} m to {} m along the straight", covers.0, covers.1);
+            let message = format!("{name} is too near to a curve");
+            Diagnostic::new(Code::E0606, message, declared.span, label).expected(expected, found)
+        }
     };
     Some((blocks.first().map(|block| block.cause), diagnostic.help(help)))
+}
+
+/// What a straight has to be like for equipment with its middle so far along it, and what it is like.
+fn straight(of: &EquipmentType, length: f64, at: f64) -> (String, String) {
+    let (first, last) = (of.from_curve + 0.5 * of.stretch, length - 0.5 * of.stretch - of.from_curve);
+    if first <= last {
+        let between = format!("a middle between {} m and {} m", trimmed(first, 3), trimmed(last, 3));
+        return (between, format!("`at {} m`", trimmed(at, 3)));
+    }
+    (format!("a straight of {} m at least", up(2.0 * first)), format!("one of {} m", trimmed(length, 3)))
 }
 
 /// What finds no place.

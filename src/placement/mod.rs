@@ -9,6 +9,8 @@ mod along;
 mod conveyors;
 mod findings;
 mod footprint;
+mod frontier;
+mod latest;
 mod nearest;
 mod needs;
 mod search;

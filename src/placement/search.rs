@@ -5,7 +5,7 @@
 //! stand, as the pairs of begins at which two rectangles overlap are a convex set. In every layout, the one is not in P or
 //! the other is not in Q.
 
-use super::along::{Along, Count, Free, Put, cheapest};
+use super::along::{Along, Free, Put, cheapest, least_cost};
 use super::task::{Block, Cause, Task, without};
 
 /// Most nodes of the search.
@@ -88,13 +88,14 @@ fn node(task: &Task, shut: Vec<(usize, usize, Block)>) -> Node {
             group.rooms.iter().enumerate().map(of).collect()
         })
         .collect();
-    let along = cheapest(task, &free, Count::Places);
+    let along = cheapest(task, &free);
     let priced = task.groups.iter().any(|g| g.fed.is_some() && g.of.conveyor > 0.0);
     let bound = if !priced {
         0.0
     } else {
-        let relaxed = cheapest(task, &free, Count::Cells);
-        if relaxed.whole { relaxed.cost } else { apart(task, &free) }
+        let whole = along.lacking() == 0;
+        let least = if whole { least_cost(task, &free, along.cost) } else { None };
+        least.unwrap_or_else(|| apart(task, &free))
     };
     Node { shut, along, bound }
 }
@@ -181,7 +182,6 @@ fn sorted_out(task: &Task, mut along: Along) -> Along {
         along.puts.retain(|put| *put != b);
         along.missing[b.group] += 1;
     }
-    let price = |put: &Put| task.price(&task.groups[put.group], &task.groups[put.group].rooms[put.room], put.begin);
-    along.cost = along.puts.iter().map(price).sum();
+    along.cost = along.puts.iter().map(|put| put.price(task)).sum();
     along
 }

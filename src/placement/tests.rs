@@ -257,7 +257,7 @@ fn no_choice_on_a_grid_is_better() {
         let found = place(&layout, &track(&layout));
         let (most, price) = every_choice(&layout, 0.5);
         no_two_meet(&layout, &found);
-        assert!(found.whole && found.bound <= found.conveyors);
+        assert!(found.whole && found.bound <= found.conveyors && found.placed.len() >= most);
         if most == 4 {
             compared += 1;
             assert!(found.is_whole(), "{most} {found:?}");

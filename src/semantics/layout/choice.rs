@@ -5,7 +5,7 @@ use super::{offered, offered_text};
 use crate::base::number::{shortest, trimmed};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{
-    Cart, Catalog, Choice, CountPlace, DriveDuty, EnergyUse, Equipment, Free, FreeCount, Interval, Stands,
+    Cart, Catalog, Choice, CountPlace, DriveDuty, EnergyUse, Equipment, Free, FreeCount, Freed, Interval, Stands,
 };
 use crate::semantics::component::{Component, FieldValue};
 use crate::semantics::components;
@@ -55,7 +55,7 @@ impl<'t> Context<'t> {
         for placed in &draft.statements {
             sound &= self.leave_free(placed, catalog, &mut choice).is_some();
             if let Statement::ChooseCount { equipment: names, counts } = placed.statement {
-                choice.statements.free.push(placed.span);
+                choice.statements.free.push((Freed::Count, placed.span));
                 match self.free_count(draft, placed, names, counts, equipment) {
                     Some(count) if self.is_said_once(names, &count, &choice) => choice.counts.push(count),
                     _ => sound = false,
@@ -84,28 +84,28 @@ impl<'t> Context<'t> {
             Statement::MotorsEvenly { .. } | Statement::MotorsRow(_) => at.places.push(placed.span),
             Statement::Radii { .. } => at.radii = Some(placed.span),
             Statement::ChooseCart { carts, lengths } => {
-                at.free.push(placed.span);
+                at.free.push((Freed::Cart, placed.span));
                 choice.carts = self.free_carts(placed, carts, lengths.as_ref())?;
             }
             Statement::ChooseMotor { motors, on_straights } => {
-                at.free.push(placed.span);
+                at.free.push((Freed::Motor, placed.span));
                 choice.motors = self.free(placed, DeclarationKind::Motor, motors, components::motor)?;
                 choice.on_straights = *on_straights;
             }
             Statement::ChooseComponent { kind: DeclarationKind::TakeUp, components: named } => {
-                at.free.push(placed.span);
+                at.free.push((Freed::TakeUp, placed.span));
                 choice.take_ups = self.free(placed, DeclarationKind::TakeUp, named, components::take_up)?;
             }
             Statement::ChooseComponent { components: named, .. } => {
-                at.free.push(placed.span);
+                at.free.push((Freed::Sensor, placed.span));
                 choice.sensors = self.free(placed, DeclarationKind::Sensor, named, components::sensor)?;
             }
             Statement::ChooseSpeed(values) => {
-                at.free.push(placed.span);
+                at.free.push((Freed::Speed, placed.span));
                 choice.speeds = self.free_numbers(placed, &SPEEDS, values)?;
             }
             Statement::ChooseRadii(values) => {
-                at.free.push(placed.span);
+                at.free.push((Freed::Radii, placed.span));
                 choice.radii = self.free_numbers(placed, &RADII, values)?;
                 let stock = &catalog?.curve.radii;
                 let absent = |radius: &&f64| !stock.iter().any(|r| (r - **radius).abs() < 1e-9);

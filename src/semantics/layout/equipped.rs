@@ -108,12 +108,27 @@ impl<'t> Context<'t> {
         while let Some(first) = left.iter().copied().find(|b| !order.iter().any(|(a, c)| c == b && left.contains(a))) {
             left.remove(first);
         }
-        let Some(circle) = equipment.declared.iter().find(|d| left.contains(d.name.as_str())) else { return Some(()) };
-        let message = format!("`{}` would have to come before itself", circle.name);
-        self.report(
-            Diagnostic::new(Code::E0502, message, circle.span, "its order contradicts that of others")
-                .help("leave out one of `after` and `before`"),
-        );
+        let Some(of_circle) = equipment.declared.iter().find(|d| left.contains(d.name.as_str())) else {
+            return Some(());
+        };
+        // Something has to come before each of what is left, so that the way back comes round.
+        let before = |name: &str| order.iter().find(|(a, b)| *b == name && left.contains(a)).map(|(a, _)| *a);
+        let mut way = vec![of_circle.name.as_str()];
+        while let Some(next) = before(way[way.len() - 1]) {
+            if let Some(from) = way.iter().position(|name| *name == next) {
+                way.drain(..from);
+                break;
+            }
+            way.push(next);
+        }
+        let of = |name: &str| equipment.declared.iter().find(|d| d.name == name);
+        let after = |i: usize| format!("`{}` has to come after `{}`", way[i], way[(i + 1) % way.len()]);
+        let known: Vec<(&Declared, String)> = (0..way.len()).filter_map(|i| Some((of(way[i])?, after(i)))).collect();
+        let (first, words) = known.first()?;
+        let message = format!("`{}` would have to come before itself", first.name);
+        let diagnostic = Diagnostic::new(Code::E0502, message, first.span, words);
+        let said = known.iter().fold(diagnostic, |said, (declared, words)| said.related(declared.span, words));
+        self.report(said.help("leave out one of `after` and `before`"));
         None
     }
 }

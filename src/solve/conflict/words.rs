@@ -107,7 +107,7 @@ fn label(member: &Member, on_grid: bool) -> String {
     };
     let whole = match member.within {
         Within::Layout => "",
-        Within::Members => " for the lines shown here, not for the whole layout",
+        Within::Members => " for these lines alone",
     };
     let smaller = match &member.assumed {
         Some(assumed) if relaxed.amount > assumed.clearance => ", which is more than its clearance",
@@ -169,7 +169,7 @@ fn help(conflict: &Conflict) -> String {
         ));
     }
     said.push("the best layout found is written, marked NOT FEASIBLE".to_owned());
-    said.join("; ")
+    said.join("\n")
 }
 
 /// What holds without a member.
@@ -186,10 +186,10 @@ fn alternatives(conflict: &Conflict) -> Option<String> {
         _ if members.iter().all(known) => {
             let others = "without any one of them a layout was found that meets the others";
             let more = match members.iter().any(whole) {
-                true => "the layout has a further conflict, so only what is said without that remark settles all of it",
+                true => "the layout has a further conflict: what would do for these lines alone does not settle that",
                 false => "the layout has a further conflict, so no change of a single line settles all of it",
             };
-            Some(format!("{others}; {more}"))
+            Some(format!("{others}\n{more}"))
         }
         _ => {
             Some("fewer of them may be in conflict already: not for every one a layout was found without it".to_owned())

@@ -184,7 +184,8 @@ impl<'a> Search<'a> {
                 if tracks == 1 {
                     return stages;
                 }
-                if !is_refuted(&layout, &stages) {
+                // The proof takes longer than the track.
+                if next.complete && !is_refuted(&layout, &stages) {
                     self.close(&next, next.bound);
                 }
                 continue;
@@ -441,7 +442,18 @@ impl<'a> Search<'a> {
 
     fn finish(self, counted: Counted, mut assumed: Vec<String>) -> Vec<Stage> {
         let Some(Whole { mut stages, lacking, value }) = self.best else { return Vec::new() };
-        let Some(last) = stages.last_mut().filter(|_| lacking == 0) else { return stages };
+        let Some(last) = stages.last_mut() else { return stages };
+        if lacking > 0 {
+            // What is proven of the track is not proven of a layout with all of its equipment.
+            if last.status == Status::Proven {
+                last.status = Status::BestFound;
+            }
+            if let Some(certificate) = &mut last.certificate {
+                certificate.proven = false;
+                certificate.assumed.push("equipment that finds no room is left out".to_owned());
+            }
+            return stages;
+        }
         let (seconds, held) = last.certificate.as_ref().map_or((0.0, 0.0), |c| (c.seconds, c.held));
         assumed.push(match counted {
             // The price of all that is ordered is counted when the layout is compiled.
