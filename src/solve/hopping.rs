@@ -9,6 +9,8 @@ use crate::problem::{Problem, moved};
 
 /// Hops times vertices: a hop costs about in proportion to vertices, and a layout of 20 of them takes 24.
 const HOPS_BY_VERTICES: usize = 480;
+/// With more vertices than this, rounding one end takes longer than all else.
+const LARGE: usize = 40;
 /// Most hops: what 24 do not find, twice as many hardly do.
 const MOST: usize = 24;
 /// Deviations of the noise in turn, m: within a basin, to the next, and across a hall.
@@ -20,7 +22,10 @@ const KEPT: usize = 3;
 
 /// How many hops a layout takes.
 pub fn hops(problem: &Problem) -> usize {
-    (HOPS_BY_VERTICES / problem.vertices.len().max(1)).clamp(1, MOST)
+    match problem.vertices.len() {
+        vertices if vertices > LARGE => 0,
+        vertices => (HOPS_BY_VERTICES / vertices.max(1)).clamp(1, MOST),
+    }
 }
 
 /// From a start to a local optimum.
@@ -38,7 +43,7 @@ pub fn other_optima(
 ) -> Vec<Solution> {
     let seeds: Vec<u64> = (1..=hops(problem) as u64).collect();
     let mut found: Vec<Solution> = Vec::new();
-    for half in seeds.chunks(seeds.len().div_ceil(2)) {
+    for half in seeds.chunks(seeds.len().div_ceil(2).max(1)) {
         let best = found.first().unwrap_or(from);
         let ends = parallel::map(half, threads, |seed| {
             let far = FAR[(*seed / 2) as usize % FAR.len()];

@@ -118,12 +118,24 @@ impl Options {
     }
 }
 
+/// A search of more vertices takes fewer nodes.
+const FEW: usize = 24;
+
+impl Effort {
+    /// For a layout of so many vertices: a node takes so much longer with them that all of them together take no longer.
+    pub fn of(&self, vertices: usize) -> Effort {
+        let fewer = FEW as f64 / vertices.max(FEW) as f64;
+        let cube = fewer * fewer * fewer;
+        Effort { nodes: ((self.nodes as f64 * cube * cube) as usize).max(1), ..*self }
+    }
+}
+
 /// When a search ends, and what it may prove.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
     /// Relative gap that is good enough; 0 for the optimum.
     pub gap: f64,
-    /// Most nodes.
+    /// Most nodes for layouts of up to [`FEW`] vertices.
     pub nodes: usize,
     /// Whether a bound of the loops that can be moved from the built one is enough. Several solves that prove something
     /// together may build loops of several classes, so they need bounds of all.

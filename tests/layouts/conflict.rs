@@ -224,8 +224,8 @@ fn a_hall_too_short_for_its_chutes_is_named_with_them() {
     assert_eq!(text(0), [building, chutes], "{named:?}");
     assert_eq!(text(1), ["fix all P1..P2", chutes], "{named:?}");
     // Without the fixed section the chutes still do not fit in the hall, so no change of it alone is called enough.
-    assert!(named[1][0].1.contains("not for the whole layout"), "{named:?}");
-    assert!(named[0][0].1.contains("not for the whole layout"), "{named:?}");
+    assert!(named[1][0].1.contains("for these lines alone"), "{named:?}");
+    assert!(named[0][0].1.contains("for these lines alone"), "{named:?}");
     // 34 m between P1 and P2 less two curves of 3 m.
     let enough = "17 m less would do; on the catalogue's grid, too";
     assert!(named.iter().all(|lines| lines[1].1 == enough), "{named:?}");

@@ -36,6 +36,21 @@ fn a_comb_of_52_vertices_ends_at_local_optima() {
     assert!(turns.all(|turn| (5.0 - 1e-4..=90.0 + 1e-4).contains(&turn)));
 }
 
+/// The continuous optimum is 1019.86 m long, and each of its long straights lies beside the grid.
+#[test]
+fn a_comb_of_52_vertices_comes_to_the_grid() {
+    let layout = layout(&families::comb(52, 50));
+    let options = Options { effort: Effort { nodes: 1, ..Effort::default() }, ..Options::default() };
+    let stages = solve(&layout, &options, &|_| {});
+    let last = stages.last().unwrap();
+    assert_eq!((last.name, last.status), ("stage3", Status::BestFound), "{:?}", last.violations);
+    assert!(last.length < 1020.3 && last.max_violation <= 1e-6, "{} {}", last.length, last.max_violation);
+    for fillet in Track::new(&last.corners).fillets {
+        let steps = fillet.turn.to_degrees() / 2.5;
+        assert!((steps - steps.round()).abs() < 1e-6, "{steps}");
+    }
+}
+
 /// A loop that touches all that is around it has no layout on the grid beside it; one that keeps a little more distance has.
 #[test]
 fn rounding_begins_anew_with_more_room() {

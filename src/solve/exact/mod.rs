@@ -65,6 +65,7 @@ pub fn discretise(
     effort: &Effort,
     watch: Tell,
 ) -> Discretised {
+    let effort = &effort.of(layout.vertices.len());
     let rough = discrete::discretise(layout, problem, start, settings);
     let clock = Instant::now();
     let grid = match Grid::new(layout, problem, &rough.variables, 0.0) {

@@ -5,6 +5,8 @@
 //! straights are re-optimised, the radii are then rounded one by one, and neighbouring turns are searched best
 //! first. The result is a good layout, not a proven best one.
 
+mod dive;
+
 use super::sqp::{self, Solution, SqpSettings};
 use crate::base::trig;
 use crate::geometry::Track;
@@ -21,6 +23,8 @@ const REPEATS: usize = 3;
 const CHOICES: usize = 80;
 /// So many radii are rounded at once first: one by one, each takes two solves.
 const MANY: usize = 24;
+/// Layouts of more vertices are rounded by [`dive`] first: every choice of turns takes seconds.
+const LARGE: usize = 40;
 /// Distances beyond what obstacles and building ask for that a layout is begun from where rounding it left none, m.
 const ROOM: [f64; 3] = [0.05, 0.2, 0.5];
 /// A radius this close to the grid is on it, m.
@@ -48,6 +52,11 @@ struct Grid<'a> {
 /// Discretises from a continuous optimum. Returns the best solution found, feasible or not.
 pub fn discretise(layout: &Layout, problem: &Problem, start: &Solution, settings: &SqpSettings) -> Solution {
     let Some(grid) = Grid::new(layout, problem, settings) else { return start.clone() };
+    if grid.len() > LARGE
+        && let Some(found) = dive::dive(&grid, start)
+    {
+        return found;
+    }
     let mut search = Search { grid: &grid, seen: BTreeSet::new(), open: Vec::new(), best: None, iterations: 0 };
     let mut x = start.variables.clone();
     search.look(grid.nearest(&x), &x);
@@ -231,14 +240,15 @@ impl<'a> Grid<'a> {
     /// Turns in their written directions, as multiples of the step; `None` where one is beyond its limits.
     fn turns(&self, headings: &Headings) -> Option<Vec<i64>> {
         let n = self.len();
-        (0..n)
-            .map(|i| {
-                let turn = (headings[i] - headings[(i + n - 1) % n]).rem_euclid(self.circle);
-                let signed = if 2 * turn > self.circle { turn - self.circle } else { turn };
-                let turn = signed * self.problem.signs[i] as i64;
-                (self.multiples.0..=self.multiples.1).contains(&turn).then_some(turn)
-            })
-            .collect()
+        (0..n).map(|i| self.turn(i, headings[(i + n - 1) % n], headings[i])).collect()
+    }
+
+    /// The turn at a vertex between two headings, likewise.
+    fn turn(&self, vertex: usize, from: i64, to: i64) -> Option<i64> {
+        let turn = (to - from).rem_euclid(self.circle);
+        let signed = if 2 * turn > self.circle { turn - self.circle } else { turn };
+        let turn = signed * self.problem.signs[vertex] as i64;
+        (self.multiples.0..=self.multiples.1).contains(&turn).then_some(turn)
     }
 
     /// The catalogue's radii at and around a value: nearest first.
