@@ -74,7 +74,7 @@ impl Frontier {
         (self.kept, self.dropped)
     }
 
-    /// In the order of costs, no label is worse than one behind it, and what is left to compare are two ends: a staircase
+    /// In the order of costs, no label costs more than one behind it, and what is left to compare are two ends: a staircase
     /// for all labels of one shape, as their last middle follows from an end (Kung, Luccio and Preparata 1975).
     fn compare(&mut self) {
         let mut all = std::mem::take(&mut self.kept);
