@@ -1,7 +1,6 @@
 //! States of the program along the loop, of which only those are kept that no other one of the same count is no worse than.
 
-use super::along::Put;
-use super::task::Sides;
+use super::task::{Sides, Task};
 
 /// What two that are alike differ by at most, m.
 const ALIKE: f64 = 1e-9;
@@ -9,6 +8,24 @@ const ALIKE: f64 = 1e-9;
 const MOST_KEPT: usize = 3000;
 /// What came in is compared once it is so many.
 const MOST_WAITING: usize = 100_000;
+
+/// One piece of equipment that was placed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Put {
+    pub group: usize,
+    /// Index into the group's rooms.
+    pub room: usize,
+    /// m along the straight
+    pub begin: f64,
+}
+
+impl Put {
+    /// Of its conveyor, EUR.
+    pub fn price(&self, task: &Task) -> f64 {
+        let group = &task.groups[self.group];
+        task.price(group, &group.rooms[self.room], self.begin)
+    }
+}
 
 /// What was placed so far, in the order of middles.
 #[derive(Clone, Copy, Debug)]

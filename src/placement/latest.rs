@@ -1,7 +1,7 @@
 //! How late what is placed may end for the rest to find room: the program along the loop, backwards.
 
-use super::along::{Free, Program};
 use super::frontier::Label;
+use super::program::{Free, LeavesRoom, Program};
 use super::task::Task;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -26,7 +26,7 @@ impl Latest {
             let mut group = task.groups[g].clone();
             group.behind.clear();
             let own = Task { groups: vec![group], ..task.clone() };
-            Places::new(&own, &vec![free[g].clone()], g..g + 1, None)
+            Places::new(&own, &vec![free[g].clone()], g..g + 1, &|_, _| true)
         };
         Latest((0..task.groups.len()).filter_map(of).collect())
     }
@@ -36,7 +36,8 @@ impl Latest {
         let (task, free) = backwards(task, free);
         let sieve = Latest::alone(&task, &free);
         let groups = 0..task.groups.len();
-        Places::new(&task, &free, groups, Some(&sieve)).map(|places| Latest(vec![places]))
+        Places::new(&task, &free, groups, &|left, label| sieve.leaves_room(left, label))
+            .map(|places| Latest(vec![places]))
     }
 
     /// Whether so many of each group find room behind what was placed.
@@ -54,8 +55,8 @@ impl Latest {
 }
 
 impl Places {
-    fn new(task: &Task, free: &Free, groups: Range<usize>, sieve: Option<&Latest>) -> Option<Places> {
-        let run = Program::of_room(task, free, sieve).run();
+    fn new(task: &Task, free: &Free, groups: Range<usize>, leaves_room: &LeavesRoom) -> Option<Places> {
+        let run = Program::of_room(task, free).leaving_room(leaves_room).run();
         let of = |(left, labels): (&Vec<usize>, &Range<usize>)| (left.clone(), run.labels[labels.clone()].to_vec());
         run.whole.then(|| Places { groups, by_left: run.by_placed.iter().map(of).collect() })
     }

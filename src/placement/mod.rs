@@ -13,6 +13,7 @@ mod frontier;
 mod latest;
 mod nearest;
 mod needs;
+mod program;
 mod search;
 mod sequence;
 mod shadow;

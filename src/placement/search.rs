@@ -5,7 +5,9 @@
 //! stand, as the pairs of begins at which two rectangles overlap are a convex set. In every layout, the one is not in P or
 //! the other is not in Q.
 
-use super::along::{Along, Free, Put, cheapest, least_cost};
+use super::along::{cheapest, least_cost};
+use super::frontier::Put;
+use super::program::{Along, Free};
 use super::task::{Block, Cause, Task, without};
 
 /// Most nodes of the search.

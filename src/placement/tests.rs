@@ -263,7 +263,7 @@ fn no_choice_on_a_grid_is_better() {
             assert!(found.is_whole(), "{most} {found:?}");
             // Multiples of 0.5 m are multiples of the step, too; the bound holds for any places.
             assert!(found.conveyors <= price + 1e-6, "{} {price}", found.conveyors);
-            assert!(found.conveyors - found.bound <= 2.0 * 100.0 * super::along::STEP, "{found:?}");
+            assert!(found.conveyors - found.bound <= 2.0 * 100.0 * super::program::STEP, "{found:?}");
         }
     }
     assert!(compared > 30, "{compared}");
