@@ -156,14 +156,8 @@ fn none_reaches(chosen: &Chosen, requirement: Requirement) -> Option<Diagnostic>
         }
         _ => {
             let statements = &layout.choice.statements;
-            let span = statements
-                .free
-                .iter()
-                .map(|(_, span)| span)
-                .chain(&statements.places)
-                .next()
-                .copied()
-                .unwrap_or(layout.span);
+            let first = statements.free.first().map(|(_, span)| span);
+            let span = first.or(statements.places.first()).copied().unwrap_or(layout.span);
             let drive = &layout.choice.drive;
             let related = [&drive.starts, &drive.stops];
             let places = if layout.choice.on_straights { "the straights have" } else { "the track has" };

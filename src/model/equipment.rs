@@ -274,6 +274,11 @@ pub enum Stands {
 }
 
 impl Declared {
+    /// Where a conveyor begins that has a price.
+    pub fn priced_from(&self) -> Option<Point> {
+        self.fed.filter(|_| self.of.conveyor > 0.0)
+    }
+
     pub fn count(&self) -> usize {
         match &self.stands {
             Stands::At(_) => 1,

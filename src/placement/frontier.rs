@@ -73,8 +73,7 @@ pub fn indices(sides: Sides) -> impl Iterator<Item = usize> {
 pub struct Frontier {
     kept: Vec<Label>,
     waiting: Vec<Label>,
-    /// Whether some were dropped for want of memory.
-    pub dropped: bool,
+    dropped: bool,
 }
 
 impl Frontier {
@@ -85,7 +84,7 @@ impl Frontier {
         }
     }
 
-    /// Those that no other is no worse than, the cheapest first.
+    /// Those that no other is no worse than, the cheapest first, and whether some were dropped for want of memory.
     pub fn into_labels(mut self) -> (Vec<Label>, bool) {
         self.compare();
         (self.kept, self.dropped)

@@ -62,7 +62,7 @@ pub fn nearest(layout: &Layout, written: &Track) -> Vec<Nearest> {
         Stands::At(_) | Stands::Row(_) => None,
     };
     let all = |(index, own): (usize, &Declared)| -> Vec<Nearest> {
-        let Some(from) = own.fed.filter(|_| own.of.conveyor > 0.0) else { return Vec::new() };
+        let Some(from) = own.priced_from() else { return Vec::new() };
         let edge = layout.width.value / 2.0 + own.of.depth;
         let (left, right) = sides(&own.of, written);
         let across = (

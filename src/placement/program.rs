@@ -49,11 +49,6 @@ impl Along {
 /// The begins that are open, by group and room: closed intervals, ascending.
 pub type Free = Vec<Vec<Vec<(f64, f64)>>>;
 
-/// Whether conveyors to a group cost anything.
-pub fn is_priced(task: &Task, g: usize) -> bool {
-    task.groups[g].fed.is_some() && task.groups[g].of.conveyor > 0.0
-}
-
 /// Whether what was placed leaves room for so many of each group.
 pub type LeavesRoom<'a> = dyn Fn(&[usize], &Label) -> bool + 'a;
 
@@ -195,7 +190,7 @@ fn rest(task: &Task, free: &Free, left: &[usize], middle: f64) -> f64 {
         let least = group.rooms.iter().enumerate().map(of_room).fold(f64::INFINITY, f64::min);
         *left as f64 * least
     };
-    let priced = left.iter().enumerate().filter(|(g, left)| **left > 0 && is_priced(task, *g));
+    let priced = left.iter().enumerate().filter(|(g, left)| **left > 0 && task.groups[*g].priced_from.is_some());
     priced.map(least).sum()
 }
 

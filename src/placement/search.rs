@@ -5,7 +5,7 @@
 //! stand, as the pairs of begins at which two rectangles overlap are a convex set. In every layout, the one is not in P or
 //! the other is not in Q.
 
-use super::along::{cheapest, least_cost};
+use super::along::cheapest;
 use super::frontier::Put;
 use super::program::{Along, Free};
 use super::task::{Block, Cause, Task, without};
@@ -90,15 +90,8 @@ fn node(task: &Task, shut: Vec<(usize, usize, Block)>) -> Node {
             group.rooms.iter().enumerate().map(of).collect()
         })
         .collect();
-    let along = cheapest(task, &free);
-    let priced = task.groups.iter().any(|g| g.fed.is_some() && g.of.conveyor > 0.0);
-    let bound = if !priced {
-        0.0
-    } else {
-        let whole = along.lacking() == 0;
-        let least = if whole { least_cost(task, &free, along.cost) } else { None };
-        least.unwrap_or_else(|| apart(task, &free))
-    };
+    let (along, least) = cheapest(task, &free);
+    let bound = least.unwrap_or_else(|| apart(task, &free));
     Node { shut, along, bound }
 }
 

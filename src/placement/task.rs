@@ -66,6 +66,8 @@ pub struct Group {
     pub of: EquipmentType,
     pub count: usize,
     pub fed: Option<Point>,
+    /// Where a conveyor begins that has a price.
+    pub priced_from: Option<Point>,
     /// Groups that have to be placed as a whole before.
     pub behind: Vec<usize>,
     /// In driving order.
@@ -183,7 +185,15 @@ impl Task {
                 rooms.extend(self.room(layout, track, &declared.of, (k, sides), between));
             }
         }
-        Group { declared: index, of: declared.of.clone(), count, fed: declared.fed, behind, rooms }
+        Group {
+            declared: index,
+            of: declared.of.clone(),
+            count,
+            fed: declared.fed,
+            priced_from: declared.priced_from(),
+            behind,
+            rooms,
+        }
     }
 
     /// What has a given place, by name, with where that is along the loop, m.
@@ -280,7 +290,7 @@ impl Task {
 
     /// Where along a straight the conveyor would be shortest, m.
     pub fn nearest(&self, group: &Group, room: &Room) -> Option<f64> {
-        let from = group.fed.filter(|_| group.of.conveyor > 0.0)?;
+        let from = group.priced_from?;
         let line = &self.lines[self.stretches[room.stretch].section];
         Some(line.local(from).x - 0.5 * group.of.stretch)
     }

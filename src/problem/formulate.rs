@@ -177,8 +177,7 @@ impl Problem {
         };
         let offset = across.dot(part.from);
         if !held {
-            let difference = vec![(x(i), -across.x), (y(i), -across.y), (x(j), across.x), (y(j), across.y)];
-            row(Function::Linear(difference), 0.0, 0.0, "one end off the line");
+            row(Function::advance(i, j, across), 0.0, 0.0, "one end off the line");
             let begin = vec![(x(i), across.x), (y(i), across.y)];
             row(Function::Linear(begin), offset, offset, "line");
         }
@@ -219,7 +218,6 @@ impl Problem {
             return;
         }
         let across = along.left();
-        let difference = |d: Point| vec![(x(i), -d.x), (y(i), -d.y), (x(j), d.x), (y(j), d.y)];
         let mut equal = |function, value, kind: &str| {
             self.row(function, value, value, Unit::Metre, format!("fix {kind} {name}"), span);
         };
@@ -227,13 +225,13 @@ impl Problem {
             if target.straight {
                 equal(Function::Straight(i), track.straight(i).length, "length");
             } else if has(FixKind::Rotation) {
-                equal(Function::Linear(difference(along)), a.distance(b), "length");
+                equal(Function::advance(i, j, along), a.distance(b), "length");
             } else {
                 equal(Function::Section(i), a.distance(b), "length");
             }
         }
         if has(FixKind::Rotation) {
-            equal(Function::Linear(difference(across)), 0.0, "rotation");
+            equal(Function::advance(i, j, across), 0.0, "rotation");
         }
         for (kind, direction, word) in
             [(FixKind::Parallel, along, "parallel"), (FixKind::Perpendicular, across, "perpendicular")]

@@ -141,6 +141,14 @@ pub enum Function {
     Formula(Formula),
 }
 
+impl Function {
+    /// How far vertex j lies from vertex i along a direction.
+    pub fn advance(i: usize, j: usize, along: crate::geometry::Point) -> Function {
+        use measures::{x, y};
+        Function::Linear(vec![(x(i), -along.x), (y(i), -along.y), (x(j), along.x), (y(j), along.y)])
+    }
+}
+
 /// Limits that give way by one amount s, which is minimised in place of the track's length (Chinneck 2008, ch. 6). It
 /// is the last variable, after those of the vertices. Rows of angles give way by s / [`LEVER`].
 #[derive(Clone, Debug, Default)]

@@ -2,6 +2,7 @@
 //! again from there. How many hops there are depends on the layout's size alone, so the answer is the same on any
 //! machine.
 
+use super::discrete::LARGE;
 use super::sqp::Solution;
 use crate::base::parallel;
 use crate::model::Layout;
@@ -9,8 +10,6 @@ use crate::problem::{Problem, moved};
 
 /// Hops times vertices: a hop costs about in proportion to vertices, and a layout of 20 of them takes 24.
 const HOPS_BY_VERTICES: usize = 480;
-/// With more vertices than this, rounding one end takes longer than all else.
-const LARGE: usize = 40;
 /// Most hops: what 24 do not find, twice as many hardly do.
 const MOST: usize = 24;
 /// Deviations of the noise in turn, m: within a basin, to the next, and across a hall.
@@ -23,6 +22,7 @@ const KEPT: usize = 3;
 /// How many hops a layout takes.
 pub fn hops(problem: &Problem) -> usize {
     match problem.vertices.len() {
+        // Rounding one end takes longer than all else.
         vertices if vertices > LARGE => 0,
         vertices => (HOPS_BY_VERTICES / vertices.max(1)).clamp(1, MOST),
     }

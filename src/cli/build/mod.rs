@@ -75,8 +75,8 @@ pub struct Build {
     /// Stop the search for the best layout on the grid when the proven gap is no larger: 0.1% or 0.001.
     #[arg(long, value_name = "GAP", value_parser = gap, default_value = "0")]
     gap: f64,
-    /// Most nodes of that search; then the best layout found is returned with the gap that is left. Layouts of n > 24 vertices
-    /// take (24/n)^6 as many, as each node takes longer.
+    /// Most nodes of that search; then the best layout found is returned with the gap that is left. Layouts of n > 24
+    /// vertices take (24/n)^6 as many, as each node takes longer.
     #[arg(long, value_name = "N", default_value_t = Effort::default().nodes as u64)]
     nodes: u64,
     /// End after this time (30, 30s, 2min) with the best layout so far, and with what is proven of it. Of several files

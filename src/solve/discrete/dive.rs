@@ -6,8 +6,8 @@
 use super::Grid;
 use crate::base::trig;
 use crate::geometry::{Point, Track};
-use crate::model::{Interval, Unit};
-use crate::problem::measures::{radius, to_corners, x, y};
+use crate::model::Interval;
+use crate::problem::measures::{radius, to_corners};
 use crate::problem::{ConstraintRow, Function, Problem};
 use crate::solve::sqp::{self, Solution, SqpSettings};
 
@@ -21,7 +21,7 @@ const TURNS: usize = 4;
 const SOLVES: usize = 25;
 
 /// What is asked for beyond the limits, m: a layout that touches everything leaves none on the grid beside it.
-const ROOM: [f64; 2] = [0.0, 0.2];
+const ROOM: f64 = 0.2;
 
 /// A section's heading on the grid, and the multiple on the other side of what it was.
 #[derive(Clone, Copy, Debug)]
@@ -43,31 +43,30 @@ struct Dive<'a> {
     iterations: usize,
 }
 
-/// A layout on the grid near a start, if one is found.
+/// A layout on the grid near a start, if one is found: from there, or from one with more room around it.
 pub fn dive(grid: &Grid, start: &Solution) -> Option<Solution> {
-    ROOM.into_iter().find_map(|room| {
-        if grid.settings.stop.now() {
-            return None;
-        }
-        if room == 0.0 {
-            return from(grid, grid.problem.clone(), start);
-        }
-        let problem = with_room(grid, room);
-        let roomy = sqp::minimise(&problem, &start.variables, &grid.settings, &|_, _, _| {});
-        (roomy.max_violation <= grid.settings.feasibility).then(|| from(grid, problem, &roomy)).flatten()
-    })
+    if let Some(found) = from(grid, grid.problem.clone(), start) {
+        return Some(found);
+    }
+    if grid.settings.stop.now() {
+        return None;
+    }
+    let problem = with_room(grid);
+    let roomy = sqp::minimise(&problem, &start.variables, &grid.settings, &|_, _, _| {});
+    let fits = roomy.max_violation <= grid.settings.feasibility;
+    fits.then(|| from(grid, problem, &roomy)).flatten()
 }
 
-/// The problem with that much more room: distances, straights, and turns that are a step within their limits.
-fn with_room(grid: &Grid, room: f64) -> Problem {
+/// The problem with more room: distances, straights, and turns that are a step within their limits.
+fn with_room(grid: &Grid) -> Problem {
     let mut problem = grid.problem.clone();
-    problem.keepouts.iter_mut().for_each(|keepout| keepout.distance += room);
+    problem.keepouts.iter_mut().for_each(|keepout| keepout.distance += ROOM);
     for row in &mut problem.rows {
         match row.function {
             Function::Turn(_) if row.high - row.low > 4.0 * grid.step => {
                 (row.low, row.high) = (row.low + grid.step, row.high - grid.step);
             }
-            Function::Straight(_) if row.high == f64::INFINITY => row.low += room,
+            Function::Straight(_) if row.high == f64::INFINITY => row.low += ROOM,
             _ => {}
         }
     }
@@ -75,10 +74,9 @@ fn with_room(grid: &Grid, room: f64) -> Problem {
 }
 
 fn from(grid: &Grid, problem: Problem, start: &Solution) -> Option<Solution> {
-    let track = Track::new(&to_corners(&start.variables));
-    let origin = grid.origin.unwrap_or_else(|| track.straight(0).heading);
-    let multiple = |i: usize| (trig::wrap(track.straight(i).heading - origin) / grid.step).round() as i64;
-    let headings = (0..grid.len()).map(|i| grid.problem.holds_heading(i).then(|| multiple(i))).collect();
+    let origin = grid.origin.unwrap_or_else(|| Track::new(&to_corners(&start.variables)).straight(0).heading);
+    let nearest = grid.nearest(&start.variables);
+    let headings = (0..grid.len()).map(|i| grid.problem.holds_heading(i).then_some(nearest[i])).collect();
     let at = start.clone();
     let mut dive = Dive { grid, problem, at, origin, headings, solves: 0, iterations: 0 };
     dive.hold_headings()?;
@@ -176,10 +174,8 @@ impl Dive<'_> {
     fn row(&self, section: usize, heading: i64) -> ConstraintRow {
         let next = (section + 1) % self.grid.len();
         let across = Point::unit(self.origin + heading as f64 * self.grid.step).left();
-        let ends = vec![(x(section), -across.x), (y(section), -across.y), (x(next), across.x), (y(next), across.y)];
-        let span = self.problem.vertex_span(section);
-        let label = "heading on the grid".to_owned();
-        ConstraintRow { unit: Unit::Metre, ..ConstraintRow::hard(Function::Linear(ends), (0.0, 0.0), label, span) }
+        let (label, span) = ("heading on the grid".to_owned(), self.problem.vertex_span(section));
+        ConstraintRow::hard(Function::advance(section, next, across), (0.0, 0.0), label, span)
     }
 
     /// Takes a problem with its layout, if one is found near the last.
@@ -191,8 +187,7 @@ impl Dive<'_> {
         let settings = SqpSettings { iterations: STEPS, dearest: 2e3, ..self.grid.settings };
         let at = sqp::minimise(&problem, &self.at.variables, &settings, &|_, _, _| {});
         self.iterations += at.iterations;
-        let fits = at.max_violation <= self.grid.settings.feasibility;
-        if !fits {
+        if at.max_violation > self.grid.settings.feasibility {
             return Err(at.variables);
         }
         (self.problem, self.at) = (problem, at);
@@ -213,7 +208,7 @@ impl Dive<'_> {
             let count = open.len().div_ceil(AT_ONCE).min(most).max(1);
             let chosen: Vec<(usize, f64)> = open.iter().take(count).map(|(i, radii)| (*i, radii[0])).collect();
             if self.try_radii(&chosen) {
-                most = usize::MAX;
+                most = most.saturating_mul(2);
                 continue;
             }
             if count > 1 {
@@ -224,7 +219,6 @@ impl Dive<'_> {
             if !radii.get(1..).unwrap_or_default().iter().take(2).any(|next| self.try_radii(&[(*i, *next)])) {
                 return None;
             }
-            most = usize::MAX;
         }
     }
 

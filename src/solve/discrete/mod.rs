@@ -24,7 +24,7 @@ const CHOICES: usize = 80;
 /// So many radii are rounded at once first: one by one, each takes two solves.
 const MANY: usize = 24;
 /// Layouts of more vertices are rounded by [`dive`] first: every choice of turns takes seconds.
-const LARGE: usize = 40;
+pub const LARGE: usize = 40;
 /// Distances beyond what obstacles and building ask for that a layout is begun from where rounding it left none, m.
 const ROOM: [f64; 3] = [0.05, 0.2, 0.5];
 /// A radius this close to the grid is on it, m.

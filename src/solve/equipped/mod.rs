@@ -57,8 +57,11 @@ pub fn solve(layout: &Layout, options: &Options, watch: Tell) -> Vec<Stage> {
 /// conveyor to a given place is as long as the track lets it be.
 pub fn counts(layout: &Layout) -> bool {
     let costs = layout.objective.weight(Goal::Cost).is_some();
-    let fed = |d: &Declared| d.fed.is_some() && d.of.conveyor > 0.0;
-    layout.equipment.declared.iter().any(|d| matches!(d.stands, Stands::Free { .. }) || (costs && fed(d)))
+    layout
+        .equipment
+        .declared
+        .iter()
+        .any(|d| matches!(d.stands, Stands::Free { .. }) || (costs && d.priced_from().is_some()))
 }
 
 /// Length, cost and their sum; other goals place equipment on the track that they find.
@@ -88,7 +91,7 @@ struct Node {
 fn fed(layout: &Layout) -> Vec<(usize, f64)> {
     let one = |(index, d): (usize, &Declared)| {
         let single = matches!(d.stands, Stands::Free { count: 1, .. });
-        (single && d.fed.is_some() && d.of.conveyor > 0.0).then_some((index, d.of.conveyor))
+        (single && d.priced_from().is_some()).then_some((index, d.of.conveyor))
     };
     layout.equipment.declared.iter().enumerate().filter_map(one).collect()
 }
