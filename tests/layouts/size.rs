@@ -36,19 +36,31 @@ fn a_comb_of_52_vertices_ends_at_local_optima() {
     assert!(turns.all(|turn| (5.0 - 1e-4..=90.0 + 1e-4).contains(&turn)));
 }
 
-/// The continuous optimum is 1019.86 m long, and each of its long straights lies beside the grid.
-#[test]
-fn a_comb_of_52_vertices_comes_to_the_grid() {
-    let layout = layout(&families::comb(52, 50));
+/// A comb beside 50 columns has a layout on the grid that is no longer.
+fn a_comb_comes_to_the_grid(vertices: usize, longest: f64) {
+    let layout = layout(&families::comb(vertices, 50));
     let options = Options { effort: Effort { nodes: 1, ..Effort::default() }, ..Options::default() };
     let stages = solve(&layout, &options, &|_| {});
     let last = stages.last().unwrap();
     assert_eq!((last.name, last.status), ("stage3", Status::BestFound), "{:?}", last.violations);
-    assert!(last.length < 1020.3 && last.max_violation <= 1e-6, "{} {}", last.length, last.max_violation);
+    assert!(last.length < longest && last.max_violation <= 1e-6, "{} {}", last.length, last.max_violation);
     for fillet in Track::new(&last.corners).fillets {
         let steps = fillet.turn.to_degrees() / 2.5;
         assert!((steps - steps.round()).abs() < 1e-6, "{steps}");
     }
+}
+
+/// The continuous optimum is 1019.86 m long, and each of its long straights lies beside the grid.
+#[test]
+fn a_comb_of_52_vertices_comes_to_the_grid() {
+    a_comb_comes_to_the_grid(52, 1020.3);
+}
+
+/// 1979.30 m.
+#[test]
+#[ignore = "half a minute"]
+fn a_comb_of_100_vertices_comes_to_the_grid() {
+    a_comb_comes_to_the_grid(100, 1980.1);
 }
 
 /// A loop that touches all that is around it has no layout on the grid beside it; one that keeps a little more distance has.
