@@ -20,6 +20,9 @@ const TURNS: usize = 4;
 /// Solves with one room, at most.
 const SOLVES: usize = 25;
 
+/// What a section that is off its heading counts, m a m.
+const MISSED: f64 = 100.0;
+
 /// What is asked for beyond the limits, m: a layout that touches everything leaves none on the grid beside it.
 const ROOM: f64 = 0.2;
 
@@ -152,9 +155,15 @@ impl Dive<'_> {
                 chosen.iter().for_each(|held| self.headings[held.section] = Some(held.heading));
                 return true;
             };
-            let at = problem.evaluate(&ended, 0.0);
-            let missed = |k: usize| at.rows[known + k].violation() > self.grid.settings.feasibility;
-            let missed: Vec<usize> = (0..chosen.len()).filter(|k| missed(*k)).collect();
+            let off = |x: &[f64]| -> Vec<usize> {
+                let at = problem.evaluate(x, 0.0);
+                let missed = |k: &usize| at.rows[known + k].violation() > self.grid.settings.feasibility;
+                (0..chosen.len()).filter(missed).collect()
+            };
+            let mut missed = off(&ended);
+            if missed.is_empty() {
+                missed = off(&self.relaxed(chosen));
+            }
             let mut turned = false;
             for k in missed {
                 let held = chosen[k];
@@ -168,6 +177,18 @@ impl Dive<'_> {
             }
         }
         false
+    }
+
+    /// The layout that meets all else and keeps as many of these headings as is worth it: where a distance is what fails,
+    /// it says which headings ask for too much.
+    fn relaxed(&mut self, chosen: &[Held]) -> Vec<f64> {
+        let mut problem = self.problem.clone();
+        let soft = |held: &Held| ConstraintRow { weight: Some(MISSED), ..self.row(held.section, held.heading) };
+        problem.rows.extend(chosen.iter().map(soft));
+        let settings = SqpSettings { iterations: STEPS, dearest: 2e3, ..self.grid.settings };
+        let at = sqp::minimise(&problem, &self.at.variables, &settings, &|_, _, _| {});
+        self.iterations += at.iterations;
+        at.variables
     }
 
     /// A section's heading as a row of coordinates.
