@@ -9,7 +9,9 @@ use super::tracks::{self, Track};
 use super::trade::{Measure, front};
 use super::write::lines;
 use crate::compiled::{Compiled, order};
+use crate::kinematics::polygon::{Course, PolygonObjective, curve_phasor};
 use crate::model::{Layout, Objective, Stands};
+use crate::solve::polygon::least_action;
 use crate::solve::{Certificate, Counted, End, Options, Tell};
 
 /// One of them.
@@ -36,6 +38,9 @@ pub struct Best {
     pub value: f64,
     /// No layout on the grid has less; `None` where nothing is proven of this measure.
     pub bound: Option<f64>,
+    /// What no layout with the curves of this one in their order has less of, to about 1 %, whatever straights lie between
+    /// them: of smoothness only.
+    pub same_curves: Option<f64>,
     /// Whether it is known to be the best without a bound: every component was looked at, and no track matters.
     pub proven: bool,
 }
@@ -87,14 +92,15 @@ pub fn pareto(layout: &Layout, measures: &[Measure], options: &Options, watch: T
         && variants(&chosen) == asked
         && options.stop.cut().is_none();
     let best = |i: usize, measure: Measure| {
-        let values = rows.iter().map(|(_, values)| values[i]);
-        let value = if measure.is_gain() { values.reduce(f64::max) } else { values.reduce(f64::min) };
+        let sign = if measure.is_gain() { -1.0 } else { 1.0 };
+        let best = rows.iter().min_by(|a, b| (sign * a.1[i]).total_cmp(&(sign * b.1[i])));
         let most =
             || chosen.candidates.iter().filter_map(|c| Some(c.capacity.as_ref()?.throughput)).fold(0.0, f64::max);
-        value.map(|value| Best {
-            proven: measure == Measure::Capacity && settled && value >= most(),
-            value,
+        best.map(|(k, values)| Best {
+            proven: measure == Measure::Capacity && settled && values[i] >= most(),
+            value: values[i],
             bound: bound(&chosen, measure, asked, settled),
+            same_curves: (measure == Measure::Smoothness).then(|| smoothest(&chosen, *k)).flatten(),
         })
     };
     let gains = measures.iter().map(|m| m.is_gain()).collect();
@@ -189,6 +195,17 @@ fn bound(chosen: &Chosen, measure: Measure, asked: usize, settled: bool) -> Opti
     };
     let bounds: Vec<f64> = chosen.tracks.iter().enumerate().filter_map(of).collect();
     bounds.iter().copied().reduce(f64::min).filter(|_| bounds.len() == asked)
+}
+
+/// The least root mean square of ΔP that the curves of a candidate leave, mm.
+fn smoothest(chosen: &Chosen, candidate: usize) -> Option<f64> {
+    let candidate = &chosen.candidates[candidate];
+    let course = Course::new(&chosen.track(candidate).compiled.space.line).ok()?;
+    let pitch = chosen.cart(candidate).length;
+    let alone = |k: usize| Some(curve_phasor(&course, k, pitch).ok()?.delta_p);
+    let alone: Vec<f64> = (0..course.len()).map(alone).collect::<Option<_>>()?;
+    let all = least_action(&alone, PolygonObjective::All)?;
+    Some(1e3 * (all / (course.len() * course.len()) as f64).sqrt())
 }
 
 /// What a track's certificate says, if it is such a one.

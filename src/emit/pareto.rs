@@ -43,6 +43,10 @@ pub struct End {
     /// No layout on the grid has less; absent where nothing is proven of this measure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lower_bound: Option<f64>,
+    /// No layout with the curves of the best one in their order has less, to about 1 %, whatever straights lie between them:
+    /// of smoothness, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lower_bound_same_curves: Option<f64>,
     pub proven: bool,
 }
 
@@ -161,16 +165,25 @@ impl End {
     fn new(measure: Measure, best: &choose::pareto::Best) -> Self {
         // A bound of the price holds before it is rounded to the cent.
         let proven = best.proven || best.bound.is_some_and(|bound| best.value - bound <= measure.step());
-        End { measure, value: normal(best.value), lower_bound: best.bound.map(normal), proven }
+        End {
+            measure,
+            value: normal(best.value),
+            lower_bound: best.bound.map(normal),
+            lower_bound_same_curves: best.same_curves.map(normal),
+            proven,
+        }
     }
 
     /// What is known of it: `length 165.016 m, proven`.
     pub fn words(&self) -> String {
         let shown = |value: f64| Pareto::shown(self.measure, value);
-        let how = match (self.proven, self.lower_bound) {
-            (true, _) => "proven".to_owned(),
-            (false, Some(bound)) => format!("no layout has less than {}", shown(bound)),
-            (false, None) => "the best that was found".to_owned(),
+        let how = match (self.proven, self.lower_bound, self.lower_bound_same_curves) {
+            (true, ..) => "proven".to_owned(),
+            (false, Some(bound), _) => format!("no layout has less than {}", shown(bound)),
+            (false, None, Some(bound)) => {
+                format!("the best that was found; with the same curves none has less than about {}", shown(bound))
+            }
+            (false, None, None) => "the best that was found".to_owned(),
         };
         format!("{} {}, {how}", self.measure.words().0, shown(self.value))
     }
