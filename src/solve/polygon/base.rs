@@ -19,6 +19,9 @@ use std::time::Instant;
 /// Without a budget the track may grow by this ratio.
 const GROWTH: f64 = 0.01;
 
+/// A left-over that exceeds what it may be by less does not, m.
+const CLOSED: f64 = 1e-6;
+
 /// A feasible layout on the grid.
 pub struct Base {
     /// The layout with its radii held, and the budget and the closing of the chain among its constraints.
@@ -66,22 +69,26 @@ pub fn base(
     let stated = layout.chain.closes_within.as_ref().map(|c| (c.value, c.span));
     let (within, span) = stated.unwrap_or((left.abs().max(layout.take_up_travel()), layout.span));
     let at = Track::new(&to_corners(&variables));
-    // Where a width is asked for, curves near each other count, which may cut off more or less than each alone.
+    // Where a width is asked for, curves near each other count, which may cut off more or less than each alone; a base that
+    // closes stays one.
     let (beyond, slack) = match stated.and(fit(&level(&at), pitch)) {
         Some(fit) => {
-            (fit.left_over - (path - fit.carts as f64 * pitch), within - coupling(&at, pitch).min(0.5 * within))
+            let least = fit.left_over.abs().min(within);
+            let sure = within - coupling(&at, pitch).min(0.5 * within);
+            (fit.left_over - (path - fit.carts as f64 * pitch), sure.max(least))
         }
         None => (0.0, within),
     };
     let (left, path) = (left + beyond, path + beyond);
+    let off = left.abs() > slack + CLOSED;
     // The shortest layout can only become longer, and a cheaper one is mostly shorter.
-    let carts = match left.abs() > slack && goal.base(&layout.objective).is_some() {
+    let carts = match off && goal.base(&layout.objective).is_some() {
         true => ((path - slack) / pitch).ceil(),
         false => (path / pitch).round(),
     };
     let closing = (carts * pitch - slack - beyond, carts * pitch + slack - beyond);
     held.constraints.push(row(chain_path(&held, pitch), closing, span, format!("the chain closes with {carts} carts")));
-    if left.abs() > slack {
+    if off {
         stages = find(&held);
         if failed(&stages) {
             return (stages, None);
