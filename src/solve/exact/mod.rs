@@ -32,7 +32,6 @@ mod touched;
 pub use class::{of_class, suffices};
 pub use closes::Closes;
 pub use conveyors::Conveyors;
-pub use cut::coupling;
 pub use tariff::{least_price, worth};
 
 use super::options::Discretised;

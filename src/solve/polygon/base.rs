@@ -3,12 +3,10 @@
 use super::Smooth;
 use crate::base::trig;
 use crate::geometry::{Track, self_crossings};
-use crate::kinematics::{fit, level};
 use crate::model::{Constraint, ConstraintKind, Formula, Goal, Interval, Layout, Obstacle, Side, Target, Unit};
 use crate::problem::measures::{radius, to_corners, to_variables, x, y};
 use crate::problem::{Aim, Problem, Scope};
 use crate::semantics::settle_sides;
-use crate::solve::exact::coupling;
 use crate::solve::sqp::{self, SqpSettings};
 use crate::solve::stages::solve_in_stages;
 use crate::solve::violations::{as_written, off_grid, stage};
@@ -19,9 +17,6 @@ use std::time::Instant;
 /// Without a budget the track may grow by this ratio.
 const GROWTH: f64 = 0.01;
 
-/// A left-over that exceeds what it may be by less does not, m.
-const CLOSED: f64 = 1e-6;
-
 /// A feasible layout on the grid.
 pub struct Base {
     /// The layout with its radii held, and the budget and the closing of the chain among its constraints.
@@ -29,8 +24,6 @@ pub struct Base {
     pub variables: Vec<f64>,
     /// The budget of cost, EUR.
     pub limit: Option<f64>,
-    /// What the chain may leave over, m, where the layout says so.
-    pub closes: Option<f64>,
     /// No coordinate goes farther from the base than this, m: the period of the landscape.
     pub reach: f64,
 }
@@ -67,28 +60,15 @@ pub fn base(
     };
     let (left, path) = lacks(&variables);
     let stated = layout.chain.closes_within.as_ref().map(|c| (c.value, c.span));
-    let (within, span) = stated.unwrap_or((left.abs().max(layout.take_up_travel()), layout.span));
-    let at = Track::new(&to_corners(&variables));
-    // Where a width is asked for, curves near each other count, which may cut off more or less than each alone; a base that
-    // closes stays one.
-    let (beyond, slack) = match stated.and(fit(&level(&at), pitch)) {
-        Some(fit) => {
-            let least = fit.left_over.abs().min(within);
-            let sure = within - coupling(&at, pitch).min(0.5 * within);
-            (fit.left_over - (path - fit.carts as f64 * pitch), sure.max(least))
-        }
-        None => (0.0, within),
-    };
-    let (left, path) = (left + beyond, path + beyond);
-    let off = left.abs() > slack + CLOSED;
+    let (slack, span) = stated.unwrap_or((left.abs().max(layout.take_up_travel()), layout.span));
     // The shortest layout can only become longer, and a cheaper one is mostly shorter.
-    let carts = match off && goal.base(&layout.objective).is_some() {
+    let carts = match left.abs() > slack && goal.base(&layout.objective).is_some() {
         true => ((path - slack) / pitch).ceil(),
         false => (path / pitch).round(),
     };
-    let closing = (carts * pitch - slack - beyond, carts * pitch + slack - beyond);
+    let closing = (carts * pitch - slack, carts * pitch + slack);
     held.constraints.push(row(chain_path(&held, pitch), closing, span, format!("the chain closes with {carts} carts")));
-    if off {
+    if left.abs() > slack {
         stages = find(&held);
         if failed(&stages) {
             return (stages, None);
@@ -115,7 +95,7 @@ pub fn base(
             "the budget of length".to_owned(),
         ));
     }
-    (stages, Some(Base { layout: held, variables, limit, closes: stated.map(|(within, _)| within), reach: pitch }))
+    (stages, Some(Base { layout: held, variables, limit, reach: pitch }))
 }
 
 /// Obstacles whose side is open lie where this track passes them.

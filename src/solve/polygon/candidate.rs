@@ -7,7 +7,6 @@ use super::search::{Merit, search};
 use super::{Effort, Smooth};
 use crate::geometry::Track;
 use crate::kinematics::polygon::{Course, CurvePhasor, action, curve_phasor};
-use crate::kinematics::{fit, level};
 use crate::problem::measures::to_corners;
 use crate::problem::{Aim, Problem, Wave, Waves};
 use crate::solve::budget::ROUNDING;
@@ -42,9 +41,7 @@ impl Candidate {
         let track = Track::new(&to_corners(&solution.variables));
         let price = if goal.weighs_cost() { worth(&base.layout, &track, 0.0) } else { 0.0 };
         let within = base.limit.is_none_or(|limit| price <= limit * (1.0 + ROUNDING));
-        let closes = |within: f64| fit(&level(&track), pitch).is_some_and(|fit| fit.is_within(within));
-        let feasible =
-            solution.max_violation <= tolerance && within && price.is_finite() && base.closes.is_none_or(closes);
+        let feasible = solution.max_violation <= tolerance && within && price.is_finite();
         let value = Course::of_track(&track).and_then(|course| action(&course, pitch)).map(|a| a.value(goal.counted));
         let merit = match value {
             Ok(value) if feasible => goal.action * 1e6 * value + goal.length * track.length + goal.cost * price,
