@@ -83,7 +83,7 @@ impl Fitted {
         let rough = || {
             let course = Course::new(&compiled.space.line).ok()?;
             let value = action(&course, cart.length).ok()?.value(PolygonObjective::All);
-            Some((value / (course.len() * course.len()) as f64).sqrt())
+            Some(root_mean_square(value, &course))
         };
         Fitted {
             track: index.0,
@@ -94,6 +94,11 @@ impl Fitted {
             polygon_action: rough(),
         }
     }
+}
+
+/// Of ΔP over all straights and starts, m, from the sum of its squares, m².
+pub fn root_mean_square(squares: f64, course: &Course) -> f64 {
+    (squares / (course.len() * course.len()) as f64).sqrt()
 }
 
 /// Where motors may stand on a track, of each kind of motor.

@@ -1,7 +1,7 @@
 //! Layouts that no other one beats in two or three measures: tracks that trade what a track decides, and on them whatever
 //! components the layout leaves open.
 
-use super::candidate::{Candidate, Requirement, sensor_price};
+use super::candidate::{Candidate, Requirement, root_mean_square, sensor_price};
 use super::drive::{Resistance, Thrust};
 use super::find::{self, Chosen, TooMany};
 use super::refused::words;
@@ -205,7 +205,7 @@ fn smoothest(chosen: &Chosen, candidate: usize) -> Option<f64> {
     let alone = |k: usize| Some(curve_phasor(&course, k, pitch).ok()?.delta_p);
     let alone: Vec<f64> = (0..course.len()).map(alone).collect::<Option<_>>()?;
     let all = least_action(&alone, PolygonObjective::All)?;
-    Some(1e3 * (all / (course.len() * course.len()) as f64).sqrt())
+    Some(1e3 * root_mean_square(all, &course))
 }
 
 /// What a track's certificate says, if it is such a one.

@@ -185,10 +185,15 @@ impl Dive<'_> {
         let mut problem = self.problem.clone();
         let soft = |held: &Held| ConstraintRow { weight: Some(MISSED), ..self.row(held.section, held.heading) };
         problem.rows.extend(chosen.iter().map(soft));
+        self.minimise(&problem).variables
+    }
+
+    /// From the layout that meets what is held so far.
+    fn minimise(&mut self, problem: &Problem) -> Solution {
         let settings = SqpSettings { iterations: STEPS, dearest: 2e3, ..self.grid.settings };
-        let at = sqp::minimise(&problem, &self.at.variables, &settings, &|_, _, _| {});
+        let at = sqp::minimise(problem, &self.at.variables, &settings, &|_, _, _| {});
         self.iterations += at.iterations;
-        at.variables
+        at
     }
 
     /// A section's heading as a row of coordinates.
@@ -205,9 +210,7 @@ impl Dive<'_> {
         if self.solves > SOLVES || self.grid.settings.stop.now() {
             return Err(self.at.variables.clone());
         }
-        let settings = SqpSettings { iterations: STEPS, dearest: 2e3, ..self.grid.settings };
-        let at = sqp::minimise(&problem, &self.at.variables, &settings, &|_, _, _| {});
-        self.iterations += at.iterations;
+        let at = self.minimise(&problem);
         if at.max_violation > self.grid.settings.feasibility {
             return Err(at.variables);
         }
