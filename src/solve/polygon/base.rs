@@ -1,9 +1,9 @@
 //! The layout that a search for an even run starts from, and the limits that it sets.
 
-use super::Smooth;
+use super::{Smooth, rows};
 use crate::base::trig;
 use crate::geometry::{Track, self_crossings};
-use crate::model::{Constraint, ConstraintKind, Formula, Goal, Interval, Layout, Obstacle, Side, Target, Unit};
+use crate::model::{Constraint, ConstraintKind, Goal, Interval, Layout, Obstacle, Side};
 use crate::problem::measures::{radius, to_corners, to_variables, x, y};
 use crate::problem::{Aim, Problem, Scope};
 use crate::semantics::settle_sides;
@@ -11,7 +11,6 @@ use crate::solve::sqp::{self, SqpSettings};
 use crate::solve::stages::solve_in_stages;
 use crate::solve::violations::{as_written, off_grid, stage};
 use crate::solve::{Discretise, Options, Stage, Status, Tell, discrete, worth};
-use crate::source::Span;
 use std::time::Instant;
 
 /// Without a budget the track may grow by this ratio.
@@ -21,6 +20,8 @@ const GROWTH: f64 = 0.01;
 pub struct Base {
     /// The layout with its radii held, and the budget and the closing of the chain among its constraints.
     pub layout: Layout,
+    /// Which of its constraints the closing of the chain is.
+    pub closing: usize,
     pub variables: Vec<f64>,
     /// The budget of cost, EUR.
     pub limit: Option<f64>,
@@ -55,7 +56,7 @@ pub fn base(
     // A whole number of carts.
     let pitch = layout.cart.length;
     let lacks = |variables: &[f64]| {
-        let path = path(variables, pitch);
+        let path = rows::path(variables, pitch);
         (path - (path / pitch).round() * pitch, path)
     };
     let (left, path) = lacks(&variables);
@@ -66,8 +67,9 @@ pub fn base(
         true => ((path - slack) / pitch).ceil(),
         false => (path / pitch).round(),
     };
-    let closing = (carts * pitch - slack, carts * pitch + slack);
-    held.constraints.push(row(chain_path(&held, pitch), closing, span, format!("the chain closes with {carts} carts")));
+    let closing = rows::closing(&held, carts, slack, span);
+    held.constraints.push(closing);
+    let closing = held.constraints.len() - 1;
     if left.abs() > slack {
         stages = find(&held);
         if failed(&stages) {
@@ -88,14 +90,14 @@ pub fn base(
     if let Some(growth) = growth {
         let limit = length * (1.0 + growth);
         let span = layout.objective.span.unwrap_or(layout.span);
-        held.constraints.push(row(
-            chain_path(&held, 0.0),
+        held.constraints.push(rows::row(
+            rows::chain_path(&held, 0.0),
             (f64::NEG_INFINITY, limit),
             span,
             "the budget of length".to_owned(),
         ));
     }
-    (stages, Some(Base { layout: held, variables, limit, reach: pitch }))
+    (stages, Some(Base { layout: held, closing, variables, limit, reach: pitch }))
 }
 
 /// Obstacles whose side is open lie where this track passes them.
@@ -148,38 +150,6 @@ fn nearest(layout: &Layout) -> Vec<Stage> {
         last.violations.extend(off);
     }
     vec![continuous, last]
-}
-
-fn row(formula: Formula, (low, high): (f64, f64), span: Span, reason: String) -> Constraint {
-    let kind = ConstraintKind::Require { formula, low, high, unit: Unit::Metre };
-    Constraint { kind, span, reason: Some(reason) }
-}
-
-/// Length of the track less what chords of this length cut off: Σ θL²/(24R) − L³/(120R²) (design: chain model), m.
-fn chain_path(layout: &Layout, pitch: f64) -> Formula {
-    let n = layout.vertices.len();
-    let square = pitch * pitch;
-    let mut terms = Vec::new();
-    for i in 0..n {
-        let turn = || Formula::Absolute(Box::new(Formula::Angle(i)));
-        let bend = || Formula::Reciprocal(Box::new(Formula::Radius(i)));
-        terms.push(Formula::Length(Target { from: i, straight: true }));
-        terms.push(Formula::Product(vec![Formula::Radius(i), turn()]));
-        if pitch > 0.0 {
-            terms.push(Formula::Product(vec![Formula::Constant(-square / 24.0), turn(), bend()]));
-            terms.push(Formula::Product(vec![Formula::Constant(square * pitch / 120.0), bend(), bend()]));
-        }
-    }
-    Formula::Sum(terms)
-}
-
-/// The same as a number.
-fn path(variables: &[f64], pitch: f64) -> f64 {
-    let track = Track::new(&to_corners(variables));
-    let excess = |f: &crate::geometry::Fillet| {
-        pitch * pitch * (f.turn.abs() / (24.0 * f.radius) - pitch / (120.0 * f.radius * f.radius))
-    };
-    track.length - track.fillets.iter().map(excess).sum::<f64>()
 }
 
 impl Base {

@@ -92,24 +92,7 @@ pub fn best(
     effort.choices += 1;
     let (found, phases) = search(&polytope, Merit { waves: &waves, price: price.as_ref() }, effort.choices as u64);
     effort.phases += phases;
-    let aim = Waves { length: waves.length + price.as_ref().map_or(0.0, Price::slope), ..waves };
-    let settings = SqpSettings {
-        radius: 0.1,
-        largest_radius: 0.3,
-        iterations: ITERATIONS,
-        dearest: 2e3,
-        ..SqpSettings::default()
-    };
-    let mut polish = |start: &[f64], straights: &[f64]| {
-        let mut problem = held.clone();
-        problem.aim = Aim::Waves(aim.clone());
-        if let Some(price) = &price {
-            price.hold(&mut problem, straights);
-        }
-        let solution = sqp::minimise(&problem, start, &settings, &|_, _, _| {});
-        effort.iterations += solution.iterations;
-        Candidate::at(base, held, goal, Solution::at(held, &solution.variables))
-    };
+    let mut polish = polish(base, held, goal, (waves, price.as_ref()), effort);
     let mut seen: Vec<Vec<f64>> = Vec::new();
     let mut best: Option<Candidate> = None;
     for place in found {
@@ -131,6 +114,43 @@ pub fn best(
         }
     }
     best
+}
+
+/// A layout near this one that meets the rows of `held`.
+pub fn polished(base: &Base, held: &Problem, goal: Smooth, from: &[f64], effort: &mut Effort) -> Option<Candidate> {
+    let waves = waves(from, goal, base.layout.cart.length)?;
+    let track = Track::new(&to_corners(from));
+    let price = Price::new(base, goal, &waves, &track);
+    let straights: Vec<f64> = (0..track.fillets.len()).map(|k| track.straight(k).length).collect();
+    Some(polish(base, held, goal, (waves, price.as_ref()), effort)(from, &straights))
+}
+
+/// Solves exactly from variables, with the pieces that straights of these lengths have.
+fn polish<'a>(
+    base: &'a Base,
+    held: &'a Problem,
+    goal: Smooth,
+    (waves, price): (Waves, Option<&'a Price>),
+    effort: &'a mut Effort,
+) -> impl FnMut(&[f64], &[f64]) -> Candidate + 'a {
+    let aim = Waves { length: waves.length + price.map_or(0.0, Price::slope), ..waves };
+    let settings = SqpSettings {
+        radius: 0.1,
+        largest_radius: 0.3,
+        iterations: ITERATIONS,
+        dearest: 2e3,
+        ..SqpSettings::default()
+    };
+    move |start, straights| {
+        let mut problem = held.clone();
+        problem.aim = Aim::Waves(aim.clone());
+        if let Some(price) = price {
+            price.hold(&mut problem, straights);
+        }
+        let solution = sqp::minimise(&problem, start, &settings, &|_, _, _| {});
+        effort.iterations += solution.iterations;
+        Candidate::at(base, held, goal, Solution::at(held, &solution.variables))
+    }
 }
 
 /// One straight after another is given the nearest length whose pieces are cheaper, where that is better in all.

@@ -13,6 +13,7 @@
 //!    ([`search`]).
 //! 3. The best of these are solved exactly by sequential quadratic programming, on all rows, and judged by ΔP itself.
 //! 4. Neighbouring turns on the grid are tried in the same way, until none of them helps ([`turns`]).
+//! 5. What is found is made to close as its chain is measured, where the source asks for it ([`closed`]).
 //!
 //! The result is a good layout, not a proven best one; [`least_action`] says how good any layout with its curves can
 //! be.
@@ -20,10 +21,12 @@
 mod base;
 mod bound;
 mod candidate;
+mod closed;
 mod goal;
 mod polytope;
 mod price;
 mod rival;
+mod rows;
 mod search;
 #[cfg(test)]
 mod tests;
@@ -81,6 +84,7 @@ pub fn run(
     };
     let problem = Problem::new(&base.layout, Scope::Obstacles);
     let best = turns::best(&base, &problem, goal, (&mut effort, options.stop), &tell);
+    let (best, problem) = closed::closed(&base, goal, &best, &mut effort).unwrap_or((best, problem));
     let mut last = stage("polygon", &problem, &best.solution, &SqpSettings::default(), clock);
     // The budget and the closing are rows of ours: elsewhere the layout's own count.
     let off = super::violations::off_grid(

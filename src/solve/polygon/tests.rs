@@ -4,6 +4,7 @@ use super::*;
 use crate::base::random::uniform;
 use crate::geometry::{CentreLine, Corner, Form, Point, Polygon, Track};
 use crate::kinematics::polygon::{Course, PolygonObjective, action, curve_phasor};
+use crate::kinematics::{Fit, fit, level};
 use crate::model::instances::thesis10;
 use crate::model::{Constraint, ConstraintKind, Formula, Goal, Objective, Obstacle, Side, Target, Unit, fixture};
 use crate::problem::measures::to_variables;
@@ -66,6 +67,10 @@ fn alone_it_stays_near_what_is_written() {
     assert!(last.length <= 1.01 * stages[0].length + 1e-6);
 }
 
+fn fitted(layout: &Layout, corners: &[Corner]) -> Fit {
+    fit(&level(&Track::new(corners)), layout.cart.length).expect("a chain")
+}
+
 /// The chain closes as the source asks.
 #[test]
 fn closing_is_a_constraint() {
@@ -74,10 +79,22 @@ fn closing_is_a_constraint() {
     let stages = solve(&layout, &Options::default(), &quiet);
     let last = stages.last().expect("a stage");
     assert!(last.max_violation <= 1e-6, "{:?}", last.violations);
-    let track = Track::new(&last.corners);
-    let excess = 4.0 * (crate::base::trig::FRAC_PI_2 * 1.5625 / 96.0 - 1.953125 / 1920.0);
-    let carts = (track.length - excess) / 1.25;
-    assert!((carts - carts.round()).abs() * 1.25 <= 0.005 + 1e-6, "{carts}");
+    let fit = fitted(&layout, &last.corners);
+    assert!(fit.is_within(0.005), "{fit:?}");
+}
+
+/// Also where curves near each other cut off more or less than each alone: within a width that this exceeds.
+#[test]
+fn a_chain_closes_on_curves_near_each_other() {
+    let mut layout = smooth(thesis10(), None);
+    layout.objective.terms.push((1.0, Goal::Cost));
+    layout.objective.terms[0].0 = 20.0;
+    layout.chain.closes_within = Some(crate::source::Spanned::new(0.001, fixture::span()));
+    let stages = solve(&layout, &Options::default(), &quiet);
+    let last = stages.last().expect("a stage");
+    assert!(last.max_violation <= 1e-6, "{:?}", last.violations);
+    let fit = fitted(&layout, &last.corners);
+    assert!(fit.is_within(0.001), "{fit:?}");
 }
 
 /// On a layout with two degrees of freedom, a fine grid over all of it finds nothing better.
