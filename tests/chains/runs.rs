@@ -99,6 +99,14 @@ fn every_fault_is_suspected_and_a_clean_run_is_not() {
             |run| exchange(run, Channel::JointXi, Channel::JointEta),
             &["joint_xi and joint_eta look exchanged: their means are -"],
         ),
+        (
+            |run| exchange(run, Channel::RunLeft, Channel::JointZeta),
+            &["run_left and joint_zeta look exchanged: their means are -"],
+        ),
+        (
+            |run| exchange(run, Channel::SteerRight, Channel::JointXi),
+            &["steer_right and joint_xi look exchanged: their means are "],
+        ),
         (|run| samples(run, Channel::JointXi).fill(f64::NAN), &["joint_xi is empty: every sample is lost"]),
         (
             |run| {

@@ -64,11 +64,29 @@ impl Look {
     }
 }
 
+/// What is expected in the mean of a lap, N.
+#[derive(Clone, Copy, Debug)]
+pub struct Expected {
+    /// A cart's, which its running wheels carry.
+    pub weight: f64,
+    /// What the front joint of a cart holds.
+    pub hangs: f64,
+    /// As planned.
+    pub tension: f64,
+}
+
+impl Expected {
+    pub fn of(layout: &Simulation) -> Self {
+        let cart = &layout.cart;
+        let weight = cart.mass_kg * layout.gravity_m_s2;
+        let hangs = weight * cart.centre_of_mass_m[0] / cart.length_m;
+        Expected { weight, hangs, tension: layout.chain.tension_n }
+    }
+}
+
 /// Channels whose means no machine like the layout's has, in their order.
-pub fn implausible(levels: &BTreeMap<Channel, Statistics>, layout: &Simulation) -> Vec<Implausible> {
-    let cart = &layout.cart;
-    let weight = cart.mass_kg * layout.gravity_m_s2;
-    let hangs = weight * cart.centre_of_mass_m[0] / cart.length_m;
+pub fn implausible(levels: &BTreeMap<Channel, Statistics>, expected: &Expected) -> Vec<Implausible> {
+    let Expected { weight, hangs, tension: planned } = *expected;
     let mean = |channel: Channel| levels.get(&channel).map(|level| level.mean);
     let look = |channel: Channel, expected: f64| mean(channel).and_then(|mean| Look::of(mean / expected));
     let [left, right] = [Channel::RunLeft, Channel::RunRight].map(|wheel| look(wheel, 0.5 * weight));
@@ -78,7 +96,7 @@ pub fn implausible(levels: &BTreeMap<Channel, Statistics>, layout: &Simulation) 
         Channel::RunLeft | Channel::RunRight => wheels,
         // Who records one force in another unit does so with all.
         _ if matches!(wheels, Some(Look::Unit(_))) => wheels,
-        Channel::JointXi => tension(levels.get(&channel)?, layout.chain.tension_n),
+        Channel::JointXi => tension(levels.get(&channel)?, planned),
         // A wheel pushes and never pulls.
         Channel::SteerLeft | Channel::SteerRight => levels
             .get(&channel)

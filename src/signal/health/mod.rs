@@ -17,6 +17,7 @@
 //! - joint axes exchanged: `joint_eta` or `joint_zeta` pulls more than `joint_xi` in the mean, and `joint_xi` is below
 //!   a quarter of it. A chain is under tension, hardly any force is sideways in the mean, and the carts hang in their
 //!   joints,
+//! - exchanged, as their means say: `exchanged.rs`,
 //! - in another unit, reversed, set to zero under load: `implausible.rs`,
 //! - speeds differ: running wheels and trigger disagree by more than [`SLIP`].
 //!
@@ -26,6 +27,7 @@
 //! the steering contact h_s below the joints and the running wheels ±b_r aside: run_left − run_right = (h_s (T − μv²)Lκ
 //! − z_c m v²κ)/b_r. The inner wheels turn slower, by 2bvκ/r. T is what `joint_xi` measures, else the layout's tension.
 
+mod exchanged;
 mod implausible;
 mod sides;
 mod spikes;
@@ -143,22 +145,30 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
         }
     }
     health.masked = health.lost - health.bridged;
-    let exchanged = suspect::joint(&health.channels);
+    let axes = suspect::joint(&health.channels);
+    let mut exchanged: Vec<Channel> = Vec::new();
     if let Some(layout) = layout {
         let of_joint = |c: Channel| matches!(c, Channel::JointXi | Channel::JointEta | Channel::JointZeta);
         // Dead or exchanged, which is told already, or set to zero, which the sidecar says.
         let told = |c: Channel| {
             let said = run.sidecar.zeroed.contains(&c);
-            said || (exchanged.is_some() && of_joint(c)) || health.implausible.iter().any(|f| f.channels.contains(&c))
+            said || (axes.is_some() && of_joint(c)) || health.implausible.iter().any(|f| f.channels.contains(&c))
         };
-        let levels = health.channels.iter().filter(|(c, _)| !told(**c)).map(|(c, level)| (*c, *level)).collect();
-        let found = implausible::implausible(&levels, layout);
+        let untold = health.channels.iter().filter(|(c, _)| !told(**c)).map(|(c, level)| (*c, *level));
+        let mut levels: BTreeMap<Channel, Statistics> = untold.collect();
+        let expected = implausible::Expected::of(layout);
+        if let Some((two, why)) = exchanged::exchanged(&levels, &expected) {
+            health.suspicions.push(why);
+            levels.retain(|channel, _| !two.contains(channel));
+            exchanged.extend(two);
+        }
+        let found = implausible::implausible(&levels, &expected);
         health.suspicions.extend(found.iter().map(|found| found.why.clone()));
         health.implausible.extend(found);
     }
     // Then joint_xi is no tension that curves could be judged by.
-    let no_tension = exchanged.is_some();
-    health.suspicions.extend(exchanged);
+    let no_tension = axes.is_some();
+    health.suspicions.extend(axes);
     if let Some(layout) = layout {
         let place = position::position(run, layout.chain.track_length_m);
         health.laps = place.as_ref().map(Position::laps);
@@ -172,7 +182,7 @@ pub fn health(run: &Run, layout: Option<&Simulation>) -> Health {
             let usable = |channel: Channel| {
                 let zeroed = run.sidecar.zeroed.contains(&channel);
                 let implausible = zeroed || health.implausible.iter().any(|found| found.channels.contains(&channel));
-                !(implausible || no_tension && channel == Channel::JointXi)
+                !(implausible || exchanged.contains(&channel) || no_tension && channel == Channel::JointXi)
             };
             let (sides, trigger) = sides::sides(run, &usable, place, speed, layout);
             health.suspicions.extend(sides);
