@@ -364,3 +364,18 @@ fn every_file_of_tests_is_a_module_of_its_program() {
         }
     }
 }
+
+/// `cargo remove` takes settings away of packages that are no dependency by name, which slowed the program down unseen.
+#[test]
+fn what_users_wait_for_is_optimised() {
+    let text = fs::read_to_string(root().join("Cargo.toml")).expect("Cargo.toml");
+    let profiles: toml::Table = toml::from_str(&text).expect("TOML");
+    let level = |profile: &str, package: &str| {
+        profiles["profile"].get(profile)?.get("package")?.get(package)?.get("opt-level")?.as_integer()
+    };
+    let least = [("release", "lss", 2), ("dist", "lss", 3), ("bench", "lss", 3)];
+    let used = ["release", "dev"].into_iter().flat_map(|p| ["clarabel", "csv-core", "rustfft"].map(|of| (p, of, 3)));
+    for (profile, package, least) in least.into_iter().chain(used) {
+        assert!(level(profile, package) >= Some(least), "Cargo.toml: {package} in the profile {profile}");
+    }
+}
