@@ -85,9 +85,11 @@ impl Uncertainty {
     }
 }
 
-/// Which of its bounds a strength is at, to rounding; 0 is none, as it is no effect.
+/// Which of its bounds a strength is at, to rounding; 0 is none, as it is no effect, nor is all of a share, as nothing
+/// lies beyond it.
 fn at_bound(strength: &Strength, value: f64) -> Option<Bound> {
-    let near = |bound: f64| value != 0.0 && (value - bound).abs() <= 1e-6 * bound.abs();
+    let all = |bound: f64| strength.name == "share" && bound == 1.0;
+    let near = |bound: f64| value != 0.0 && (value - bound).abs() <= 1e-6 * bound.abs() && !all(bound);
     match (near(strength.low), near(strength.high)) {
         (_, true) => Some(Bound::Upper),
         (true, _) => Some(Bound::Lower),

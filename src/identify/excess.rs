@@ -30,6 +30,9 @@ const SURE: f64 = 2.0;
 /// its own add by chance on average (Wilks 1938).
 const UNLIKE: f64 = 2.0;
 
+/// More than noise in a band is so many deviations off.
+const ELSE: f64 = 3.0;
+
 /// As many variances of means over different times tell as much as one would.
 const ALIKE: f64 = OVER.len() as f64;
 
@@ -54,6 +57,8 @@ struct OfForce {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandPower {
     pub measured: f64,
+    /// Beyond that of laps of a fitted model with white noise, and how far that may be off; `None` of one that is not fitted.
+    pub beyond: Option<(f64, f64)>,
     /// Where it lies, Hz.
     pub band: (f64, f64),
 }
@@ -140,8 +145,21 @@ fn along_short(over: f64, share: f64, time: f64) -> f64 {
 impl BandPower {
     /// The variance of a process with a correlation time, s, that has all of it: its density is 4 σ² τ/(1 + (2π f τ)²).
     fn all_of(&self, time: f64) -> f64 {
+        self.measured / self.share(time)
+    }
+
+    /// The share of the variance of such a process that lies in it.
+    fn share(&self, time: f64) -> f64 {
         let turn = |hz: f64| trig::atan(trig::TAU * hz * time);
-        self.measured / (2.0 / trig::PI * (turn(self.band.1) - turn(self.band.0)))
+        2.0 / trig::PI * (turn(self.band.1) - turn(self.band.0))
+    }
+
+    /// Squared deviations by which such a process of a variance, N², lies beside what is beyond simulated laps. What else is in
+    /// a band may be of any size: it counts as [`ELSE`] deviations.
+    fn off(&self, variance: f64, time: f64) -> f64 {
+        let Some((beyond, deviation)) = self.beyond else { return 0.0 };
+        let off = (beyond - variance * self.share(time)) / deviation;
+        (off * off).min(ELSE * ELSE)
     }
 }
 
@@ -316,7 +334,8 @@ impl OfTime {
             let off = (row.excess - variance * shape) / deviation;
             off * off + 2.0 * trig::ln(*deviation)
         };
-        let unlikely = rows.iter().zip(&shapes).zip(&deviations).map(off).sum::<f64>() / ALIKE;
+        let unlikely = rows.iter().zip(&shapes).zip(&deviations).map(off).sum::<f64>() / ALIKE
+            + bands.iter().map(|own| own.off(variance, time)).sum::<f64>();
         // Moments that are near tell nearly the same.
         OfTime { time, variance, deviation: (ALIKE / square).sqrt(), unlikely }
     }
@@ -487,14 +506,42 @@ mod tests {
         let band = (10.0, 40.0);
         let turn = |hz: f64| trig::atan(trig::TAU * hz * 0.3);
         let measured = 0.36 * 2.0 / trig::PI * (turn(band.1) - turn(band.0));
-        let Process { variance, time } = of(vec![BandPower { measured, band }]);
+        let Process { variance, time } = of(vec![BandPower { measured, beyond: None, band }]);
         assert!(
             (0.15..0.8).contains(&time) && time > free.time && (0.25..0.6).contains(&variance),
             "{variance} {time}"
         );
-        assert!(variance <= BandPower { measured, band }.all_of(time));
-        let whole = BandPower { measured: 1.0, band: (0.0, 1e9) };
+        assert!(variance <= BandPower { measured, beyond: None, band }.all_of(time));
+        let whole = BandPower { measured: 1.0, beyond: None, band: (0.0, 1e9) };
         assert!((whole.all_of(0.3) - 1.0).abs() < 1e-6);
+    }
+
+    /// Means over carts' passing hardly tell a short time from a long one; bands do, also where one of them holds something else.
+    #[test]
+    fn bands_tell_the_time_of_noise() {
+        let truth = Process { variance: 0.16, time: 0.15 };
+        let row = |over: f64| {
+            let row = Row { over, length: 32.0, excess: 0.0, deviation: 0.0 };
+            let excess = truth.variance * row.of(truth.time);
+            Row { excess, deviation: 0.3 * excess, ..row }
+        };
+        // A chance under which long times look as likely.
+        let rows = [0.6, 1.2, 2.4].map(row).into_iter().zip([0.8, 1.1, 1.4]);
+        let rows: Vec<Row> = rows.map(|(row, by)| Row { excess: by * row.excess, ..row }).collect();
+        let edges = [0.5, 1.0, 2.0, 2.6, 3.5, 6.0];
+        let band = |two: &[f64], more: f64| {
+            let band = (two[0], two[1]);
+            let own = BandPower { measured: 1.0, beyond: None, band };
+            let power = truth.variance * own.share(truth.time);
+            BandPower { measured: 1.5 * (power + more), beyond: Some((power + more, 0.2 * (power + more))), band }
+        };
+        let of = |bands: Vec<BandPower>| exponential(&[&OfForce { rows: rows.clone(), bands, most: None }]).unwrap();
+        let alone = of(Vec::new());
+        let with = of(edges.windows(2).map(|two| band(two, 0.0)).collect());
+        let beside = of(edges.windows(2).map(|two| band(two, if two[0] == 2.0 { 0.5 } else { 0.0 })).collect());
+        assert!(alone.time > 0.3, "{alone:?}");
+        assert!((0.1..0.22).contains(&with.time) && (0.1..0.25).contains(&with.variance), "{with:?}");
+        assert!((0.1..0.22).contains(&beside.time) && (0.1..0.25).contains(&beside.variance), "{beside:?}");
     }
 
     #[test]

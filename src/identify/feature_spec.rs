@@ -23,6 +23,12 @@ const BLOCK_S: f64 = 0.04;
 /// Edges of the bands, in passings of a cart.
 const EDGES: [f64; 9] = [0.3, 0.7, 1.3, 1.7, 2.3, 4.0, 9.0, 20.0, 60.0];
 
+/// Steering wheels are the first forces.
+const STEERING: usize = 2;
+/// A wheel that hangs free shows so many deviations of its noise, and such a share of its sensor's range, at most.
+const NOISE: f32 = 5.0;
+const OFFSET: f32 = 0.005;
+
 /// Bands of power.
 pub const BANDS: usize = EDGES.len() - 1;
 
@@ -91,6 +97,20 @@ pub(super) fn total(values: &[f32]) -> f32 {
     sums.iter().sum::<f32>() + rest
 }
 
+/// Variance of white noise by the middle one of all steps from sample to sample, as impacts make some of them large.
+fn white(samples: &[f32]) -> f32 {
+    /// Of a normal deviate's size, the middle one.
+    const MIDDLE: f32 = 0.674_49;
+    let mut steps: Vec<f32> = samples.windows(2).map(|two| (two[1] - two[0]).abs()).filter(|x| x.is_finite()).collect();
+    if steps.is_empty() {
+        return 0.0;
+    }
+    let half = steps.len() / 2;
+    let (_, middle, _) = steps.select_nth_unstable_by(half, f32::total_cmp);
+    let deviation = *middle / MIDDLE;
+    0.5 * deviation * deviation
+}
+
 impl FeatureSpec {
     pub fn new(places: Arc<Places>, rate: f64, passing: f64, lowpass: f64, width: Width) -> Self {
         let segment = 2 * hop(rate);
@@ -139,7 +159,8 @@ impl FeatureSpec {
 
     /// Sets thresholds at the 10th, 50th and 90th percentile of a run's 40 ms means, and a hundredth of their range
     /// above, at least a thousandth of the force's range on the whole lap, five of one that was set to zero: a wheel that
-    /// does not touch has a force of 0 for long, in some kinds of place all the time, and no threshold must split that.
+    /// does not touch has a force of 0 for long, in some kinds of place all the time, and no threshold must split that: of
+    /// steering wheels, which mostly hang free, none lies where noise and a small offset of the sensor may take such a mean.
     pub fn set_thresholds(&mut self, samples: &Samples, offset: f64) {
         let mut found: Vec<Vec<f32>> = vec![Vec::new(); KINDS * FORCES];
         let fine: Vec<u32> = samples.station.iter().map(|s| self.places.part(f64::from(*s) + offset)).collect();
@@ -152,14 +173,23 @@ impl FeatureSpec {
             let (high, low) = (kinds().map(highest).fold(f32::NEG_INFINITY, f32::max), kinds().map(lowest));
             (high - low.fold(f32::INFINITY, f32::min)).max(0.0)
         });
+        let length = self.block as f32;
+        let rest: [f32; FORCES] = std::array::from_fn(|force| match force {
+            0..STEERING if !self.recorder.zeroed[force] => {
+                NOISE * (white(samples.forces[force]) / length).sqrt() + OFFSET * whole[force]
+            }
+            _ => 0.0,
+        });
         for (k, means) in found.iter().enumerate() {
             let range = (highest(means) - lowest(means)).max(0.0);
             // Where a force that was set to zero rests is known as well as its mean.
             let least = if self.recorder.zeroed[k % FORCES] { 0.005 } else { 0.001 };
             let above = (0.01 * range).max(least * whole[k % FORCES]);
+            let rest = rest[k % FORCES];
             for (t, share) in [0.1, 0.5, 0.9].into_iter().enumerate() {
                 let at = (share * means.len() as f64) as usize;
-                self.thresholds[k / FORCES][k % FORCES][t] = above + means.get(at).copied().unwrap_or(0.0);
+                let level = above + means.get(at).copied().unwrap_or(0.0);
+                self.thresholds[k / FORCES][k % FORCES][t] = if level.abs() < rest { rest } else { level };
             }
         }
     }

@@ -6,11 +6,11 @@ use crate::base::trig;
 use crate::dynamics::{CartRecord, Ensemble};
 use crate::identify::accumulator::{FeatureAccumulator, NoiseDraw};
 use crate::identify::excess::{BandPower, Excess};
-use crate::identify::feature_spec::Samples;
+use crate::identify::feature_spec::{BANDS, Samples};
 use crate::identify::grid::{Grid, Lap};
 use crate::identify::local::Centre;
 use crate::identify::measured::Measured;
-use crate::identify::model::{Coordinates, Model};
+use crate::identify::model::{Coordinates, Model, samples};
 use crate::identify::noise::Noise;
 use crate::identify::parameter::Parameter;
 use crate::identify::repeatability::Repeatability;
@@ -26,6 +26,9 @@ const HARDLY_WORSE: f64 = 0.1;
 
 /// A cell is covered with so much of a passage, at a speed up to a tenth above the nominal one.
 const WHOLE: f64 = 0.88;
+
+/// Simulated laps whose power is held beside the measured one, at most.
+const LAPS: usize = 16;
 
 /// White noise of a sensor that has less, N and m/s: that of a file's digits.
 const LEAST_FORCE: f64 = 1e-3;
@@ -73,7 +76,9 @@ impl MisplacedBy {
 pub fn excess(model: &Model, measured: &Measured, at: &Coordinates, ensemble: &Ensemble) -> Excess {
     let samples = measured.samples();
     let trigger = at[Parameter::TriggerPosition.index()];
-    let bands = bands(model, &samples, ensemble.rate);
+    // The point is the nominal one yet, whose power says nothing of noise.
+    let unfitted = |own: BandPower| BandPower { beyond: None, ..own };
+    let bands = bands(model, &samples, ensemble).map(|own| own.into_iter().map(unfitted).collect());
     let records = (ensemble.rate, ensemble.carts.as_slice());
     Excess::new((samples.station, samples.forces), bands, trigger, lap(model, measured), records)
 }
@@ -82,7 +87,7 @@ pub fn excess(model: &Model, measured: &Measured, at: &Coordinates, ensemble: &E
 pub fn residuals(model: &Model, measured: &Measured, at: &Coordinates, ensemble: &Ensemble) -> Residuals {
     let samples = measured.samples();
     let trigger = at[Parameter::TriggerPosition.index()];
-    let noise = (model.spec.noise(), bands(model, &samples, ensemble.rate));
+    let noise = (model.spec.noise(), bands(model, &samples, ensemble));
     let records = (ensemble.rate, ensemble.carts.as_slice());
     Residuals::new((samples.station, samples.forces), noise, trigger, lap(model, measured), records)
 }
@@ -91,15 +96,36 @@ fn lap(model: &Model, measured: &Measured) -> Lap {
     Lap { length: model.spec.places.lap, speed: measured.speed(), carts: model.simulation.chain.carts }
 }
 
-/// The power in each band of each force that was measured, at a rate, Hz.
-fn bands(model: &Model, samples: &Samples, rate: f64) -> [Vec<BandPower>; FORCES] {
-    let mut power = FeatureAccumulator::new(&model.spec);
-    power.add(&model.spec, samples, 0.0, NoiseDraw::None);
-    let hz = |line: usize| line as f64 / model.spec.segment as f64 * rate;
-    std::array::from_fn(|k| {
-        let each = power.band_power(k).into_iter().zip(model.spec.bands);
-        let known = each.filter(|(measured, _)| measured.is_finite() && !samples.forces[k].is_empty());
-        known.map(|(measured, (from, to))| BandPower { measured, band: (hz(from), hz(to)) }).collect()
+/// The power in each band of each force that was measured, beside that of an ensemble whose sensors are as white.
+fn bands(model: &Model, measured: &Samples, ensemble: &Ensemble) -> [Vec<BandPower>; FORCES] {
+    let spec = &model.spec;
+    let power = |samples: &Samples| -> [[f64; BANDS]; FORCES] {
+        let mut power = FeatureAccumulator::new(spec);
+        power.add(spec, samples, 0.0, NoiseDraw::None);
+        std::array::from_fn(|force| power.band_power(force))
+    };
+    let own = power(measured);
+    let laps: Vec<[[f64; BANDS]; FORCES]> =
+        ensemble.carts.iter().take(LAPS).map(|cart| power(&samples(cart))).collect();
+    let (whole, count) = (spec.segment as f64, laps.len().max(1) as f64);
+    let duration = measured.station.len() as f64 / ensemble.rate;
+    let noise = spec.noise();
+    let of = |force: usize, band: usize| {
+        let (from, to) = spec.bands[band];
+        let hz = |line: usize| line as f64 / whole * ensemble.rate;
+        let each = || laps.iter().map(|lap| lap[force][band]);
+        let mean = each().sum::<f64>() / count;
+        let square = each().map(|x| (x - mean) * (x - mean)).sum::<f64>() / count;
+        let white = noise[force].white * noise[force].white * 2.0 * (to - from) as f64 / whole;
+        let measured = own[force][band];
+        // Of noise, as many waves as fit into the record tell the power of a band.
+        let sampled = measured / (duration * (hz(to) - hz(from))).max(1.0).sqrt();
+        let deviation = trig::hypot(square.sqrt(), sampled);
+        BandPower { measured, beyond: Some((measured - mean - white, deviation)), band: (hz(from), hz(to)) }
+    };
+    std::array::from_fn(|force| {
+        let known = (0..BANDS).filter(|band| own[force][*band].is_finite() && !measured.forces[force].is_empty());
+        known.map(|band| of(force, band)).collect()
     })
 }
 
