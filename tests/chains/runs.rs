@@ -58,7 +58,7 @@ fn every_fault_is_suspected_and_a_clean_run_is_not() {
     for speed in [clean.speed_trigger, clean.speed_wheels] {
         assert!((speed.expect("a speed") - 2.0).abs() < 0.002, "{speed:?}");
     }
-    let faults: [Fault; 23] = [
+    let faults: [Fault; 25] = [
         (|_| {}, &[]),
         // Noise as of real wheels, at a tenth of their load, hides nothing and is no fault.
         (|run| noisy(run, 20.0), &[]),
