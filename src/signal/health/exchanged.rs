@@ -48,9 +48,7 @@ fn fits(channel: Channel, level: &Statistics, expected: &Expected) -> bool {
         Channel::JointZeta if expected.hangs.abs() > SIDEWAYS * half => NEAR.contains(&(level.mean / expected.hangs)),
         Channel::JointZeta | Channel::JointEta => level.mean.abs() < SIDEWAYS * half,
         Channel::JointXi => NEAR.contains(&(level.mean / expected.tension)),
-        Channel::SteerLeft | Channel::SteerRight => {
-            level.mean > -PULLS * level.sd && level.mean < LOADED * level.sd
-        }
+        Channel::SteerLeft | Channel::SteerRight => level.mean > -PULLS * level.sd && level.mean < LOADED * level.sd,
         _ => true,
     }
 }
