@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     fn level(mean: f64, sd: f64, (min, max): (f64, f64)) -> Statistics {
-        Statistics { count: 1000, mean, sd, min, max, rms: mean.hypot(sd) }
+        Statistics { count: 1000, mean, sd, min, max, rms: (mean * mean + sd * sd).sqrt() }
     }
 
     /// A lap of an oval with 700 N.
