@@ -67,7 +67,7 @@ pub fn base(
         true => ((path - slack) / pitch).ceil(),
         false => (path / pitch).round(),
     };
-    let closing = rows::closing(&held, carts, slack, span);
+    let closing = rows::closing(&held, carts, (slack, 0.0), span);
     held.constraints.push(closing);
     let closing = held.constraints.len() - 1;
     if left.abs() > slack {

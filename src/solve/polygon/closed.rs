@@ -7,7 +7,6 @@ use super::candidate::{Candidate, polished};
 use super::{Effort, Smooth, rows};
 use crate::geometry::Track;
 use crate::kinematics::{Fit, fit, level};
-use crate::model::ConstraintKind;
 use crate::problem::measures::to_corners;
 use crate::problem::{Problem, Scope};
 
@@ -17,7 +16,7 @@ const ROUNDS: usize = 6;
 /// The nearest layout whose chain closes to the width that the source asks for, with the problem that it meets; `None` where
 /// none is asked for, where the chain closes already, and where none is found.
 pub fn closed(base: &Base, goal: Smooth, found: &Candidate, effort: &mut Effort) -> Option<(Candidate, Problem)> {
-    let within = base.layout.chain.closes_within.as_ref()?.value;
+    let (within, span) = base.layout.chain.closes_within.as_ref().map(|own| (own.value, own.span))?;
     let pitch = base.layout.cart.length;
     let turns = base.turns(&found.solution.variables);
     let mut measured = laid(found, pitch)?;
@@ -27,10 +26,9 @@ pub fn closed(base: &Base, goal: Smooth, found: &Candidate, effort: &mut Effort)
     let mut at = found.clone();
     let mut layout = base.layout.clone();
     for _ in 0..ROUNDS {
-        let carts = measured.carts as f64 * pitch;
-        let beyond = measured.left_over + carts - rows::path(&at.solution.variables, pitch);
-        let ConstraintKind::Require { low, high, .. } = &mut layout.constraints[base.closing].kind else { return None };
-        (*low, *high) = (carts - within - beyond, carts + within - beyond);
+        let carts = measured.carts as f64;
+        let beyond = measured.left_over + carts * pitch - rows::path(&at.solution.variables, pitch);
+        layout.constraints[base.closing] = rows::closing(&base.layout, carts, (within, beyond), span);
         let problem = Problem::new(&layout, Scope::Obstacles);
         let held = base.problem(&problem, &turns, &base.variables);
         at = polished(base, &held, goal, &at.solution.variables, effort)?;

@@ -6,10 +6,11 @@ use crate::model::{Constraint, ConstraintKind, Formula, Layout, Target, Unit};
 use crate::problem::measures::to_corners;
 use crate::source::Span;
 
-/// The chain closes with so many carts, to `slack`, m.
-pub fn closing(layout: &Layout, carts: f64, slack: f64, span: Span) -> Constraint {
+/// The chain closes with so many carts, to `slack`, m, where it leaves `beyond`, m, over more than the series says.
+pub fn closing(layout: &Layout, carts: f64, (slack, beyond): (f64, f64), span: Span) -> Constraint {
     let pitch = layout.cart.length;
-    let limits = (carts * pitch - slack, carts * pitch + slack);
+    let middle = carts * pitch - beyond;
+    let limits = (middle - slack, middle + slack);
     row(chain_path(layout, pitch), limits, span, format!("the chain closes with {carts} carts"))
 }
 
