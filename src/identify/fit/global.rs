@@ -77,8 +77,7 @@ pub fn excess(model: &Model, measured: &Measured, at: &Coordinates, ensemble: &E
     let samples = measured.samples();
     let trigger = at[Parameter::TriggerPosition.index()];
     // The point is the nominal one yet, whose power says nothing of noise.
-    let unfitted = |own: BandPower| BandPower { beyond: None, ..own };
-    let bands = bands(model, &samples, ensemble).map(|own| own.into_iter().map(unfitted).collect());
+    let bands = bands(model, &samples, ensemble.rate, &[]);
     let records = (ensemble.rate, ensemble.carts.as_slice());
     Excess::new((samples.station, samples.forces), bands, trigger, lap(model, measured), records)
 }
@@ -87,7 +86,7 @@ pub fn excess(model: &Model, measured: &Measured, at: &Coordinates, ensemble: &E
 pub fn residuals(model: &Model, measured: &Measured, at: &Coordinates, ensemble: &Ensemble) -> Residuals {
     let samples = measured.samples();
     let trigger = at[Parameter::TriggerPosition.index()];
-    let noise = (model.spec.noise(), bands(model, &samples, ensemble));
+    let noise = (model.spec.noise(), bands(model, &samples, ensemble.rate, &ensemble.carts));
     let records = (ensemble.rate, ensemble.carts.as_slice());
     Residuals::new((samples.station, samples.forces), noise, trigger, lap(model, measured), records)
 }
@@ -96,8 +95,9 @@ fn lap(model: &Model, measured: &Measured) -> Lap {
     Lap { length: model.spec.places.lap, speed: measured.speed(), carts: model.simulation.chain.carts }
 }
 
-/// The power in each band of each force that was measured, beside that of an ensemble whose sensors are as white.
-fn bands(model: &Model, measured: &Samples, ensemble: &Ensemble) -> [Vec<BandPower>; FORCES] {
+/// The power in each band of each force that was measured, at a rate, Hz, beside that of laps of a fitted model whose sensors
+/// are as white, where there are some.
+fn bands(model: &Model, measured: &Samples, rate: f64, laps: &[CartRecord]) -> [Vec<BandPower>; FORCES] {
     let spec = &model.spec;
     let power = |samples: &Samples| -> [[f64; BANDS]; FORCES] {
         let mut power = FeatureAccumulator::new(spec);
@@ -105,23 +105,22 @@ fn bands(model: &Model, measured: &Samples, ensemble: &Ensemble) -> [Vec<BandPow
         std::array::from_fn(|force| power.band_power(force))
     };
     let own = power(measured);
-    let laps: Vec<[[f64; BANDS]; FORCES]> =
-        ensemble.carts.iter().take(LAPS).map(|cart| power(&samples(cart))).collect();
-    let (whole, count) = (spec.segment as f64, laps.len().max(1) as f64);
-    let duration = measured.station.len() as f64 / ensemble.rate;
-    let noise = spec.noise();
+    let laps: Vec<[[f64; BANDS]; FORCES]> = laps.iter().take(LAPS).map(|cart| power(&samples(cart))).collect();
+    let duration = measured.station.len() as f64 / rate;
     let of = |force: usize, band: usize| {
-        let (from, to) = spec.bands[band];
-        let hz = |line: usize| line as f64 / whole * ensemble.rate;
-        let each = || laps.iter().map(|lap| lap[force][band]);
-        let mean = each().sum::<f64>() / count;
-        let square = each().map(|x| (x - mean) * (x - mean)).sum::<f64>() / count;
-        let white = noise[force].white * noise[force].white * 2.0 * (to - from) as f64 / whole;
-        let measured = own[force][band];
-        // Of noise, as many waves as fit into the record tell the power of a band.
-        let sampled = measured / (duration * (hz(to) - hz(from))).max(1.0).sqrt();
-        let deviation = trig::hypot(square.sqrt(), sampled);
-        BandPower { measured, beyond: Some((measured - mean - white, deviation)), band: (hz(from), hz(to)) }
+        let hz = |line: usize| line as f64 / spec.segment as f64 * rate;
+        let (measured, (from, to)) = (own[force][band], (hz(spec.bands[band].0), hz(spec.bands[band].1)));
+        let beyond = (!laps.is_empty()).then(|| {
+            let each = || laps.iter().map(|lap| lap[force][band]);
+            let count = laps.len() as f64;
+            let mean = each().sum::<f64>() / count;
+            let square = each().map(|x| (x - mean) * (x - mean)).sum::<f64>() / count;
+            let white = spec.noise()[force].white;
+            // Of noise, as many waves as fit into the record tell the power of a band.
+            let sampled = measured / (duration * (to - from)).max(1.0).sqrt();
+            (measured - mean - white * white * 2.0 * (to - from) / rate, trig::hypot(square.sqrt(), sampled))
+        });
+        BandPower { measured, beyond, band: (from, to) }
     };
     std::array::from_fn(|force| {
         let known = (0..BANDS).filter(|band| own[force][*band].is_finite() && !measured.forces[force].is_empty());
