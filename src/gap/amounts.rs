@@ -102,3 +102,20 @@ fn scattered(comparison: &Comparison, column: &PerRun<DVector<f64>>) -> f64 {
     let square = norm_squared(column);
     comparison.tested(&comparison.residuals(), column).deviation / square.max(1e-300)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_lies_beyond_all_of_a_share() {
+        let of = |name: &str, (low, high): (f64, f64), value: f64| {
+            let (name, unit, shares) = (name.to_owned(), String::new(), PerRun::default());
+            at_bound(&Strength { name, unit, trial: 0.1, as_built: 0.0, beside: false, low, high, shares }, value)
+        };
+        assert_eq!(of("share", (0.5, 1.0), 1.0), None);
+        assert_eq!(of("share", (0.5, 1.0), 0.5), Some(Bound::Lower));
+        assert_eq!(of("ratio", (0.0, 0.5), 0.5), Some(Bound::Upper));
+        assert_eq!(of("ratio", (0.0, 0.5), 0.0), None);
+    }
+}
