@@ -138,6 +138,15 @@ impl Line {
         self.show(|_| done as f64, message);
     }
 
+    /// One step more was done before, and takes no time now.
+    pub fn known(&self) {
+        let mut state = self.shared.state();
+        state.done += 1.0;
+        state.known += 1.0;
+        drop(state);
+        self.shared.show();
+    }
+
     /// This share of the whole is done, from 0 to 1.
     pub fn share(&self, done: f64, message: impl Fn() -> String) {
         self.show(|_| done, message);
@@ -337,6 +346,15 @@ mod tests {
         let share = timing(120.0, (0.0, 0.25, 0.0), Some((1.0, "")));
         assert_eq!(share.0 + &share.1, ", 25 % done, after 2 min, about 6 min left");
         assert_eq!(timing(240.0, (0.0, 7.0, 0.0), None).0, ", after 4 min");
+    }
+
+    #[test]
+    fn what_was_done_before_is_no_work_of_this_run() {
+        let line = Line::steps(60, "cases");
+        line.known();
+        line.at(1, || "case-002".to_owned());
+        let state = line.shared.state();
+        assert_eq!((state.done, state.known, state.message.as_str()), (1.0, 1.0, "case-002"));
     }
 
     #[test]

@@ -15,5 +15,6 @@ pub use contact::{contact_area, outside_area};
 pub use crossing::{band_overlaps, piece_distance, point_piece, self_crossings};
 pub use fillet::{Corner, Fillet, Piece, PieceKind, Track};
 pub use point::Point;
+pub(crate) use polygon::segments_meet;
 pub use polygon::{NotSimple, Polygon, bounds, distance_to_segment};
 pub use side::{Curve, Hand, Outline};

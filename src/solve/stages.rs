@@ -4,7 +4,7 @@
 use super::options::{Discretise, Effort, Options, Progress, Solver, Tell};
 use super::sqp::{self, Solution, SqpSettings, Watch};
 use super::violations::{as_written, off_grid, stage};
-use super::{Stage, Status, complex, conflict, exact, homotopy, hopping};
+use super::{Stage, Status, complex, conflict, exact, hopping};
 use crate::model::{Layout, Side};
 use crate::problem::{Problem, Scope, perturbed};
 use crate::solve::certificate::Certificate;
@@ -157,7 +157,7 @@ fn one_way(layout: &Layout, options: &Options, discretise: Discretise, watch: Te
     }
     if let Some(certificate) = third.certificate.as_mut().filter(|c| options.effort.class && !c.proven) {
         let bound = exact::of_class(layout, &full, &third.solution.variables);
-        bound.iter().for_each(|bound| certificate.raise(*bound, homotopy::CLASS));
+        bound.iter().for_each(|(bound, class)| certificate.raise(*bound, class));
     }
     let mut last = stage("stage3", &full, &third.solution, &settings, clock);
     last.starts = starts;

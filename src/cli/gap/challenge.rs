@@ -121,9 +121,12 @@ impl Score {
         };
         let line = Line::steps(cases as u64, "cases");
         let mut watch = |step: AnsweringStep| {
-            if line.moves() {
+            if step.before == Before::Kept {
+                line.known();
+            } else {
                 line.at(step.number as u64, || step.case.to_owned());
-            } else if step.before != Before::Kept {
+            }
+            if !line.moves() && step.before != Before::Kept {
                 report::note(&format!("{} ({} of {})", step.case, step.number + 1, step.of));
             }
             let say = |why: &str| line.beside(|| report::warning(&format!("{}: {why}", step.case)));

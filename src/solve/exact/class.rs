@@ -6,21 +6,34 @@
 //! leaves the sum over vertices of the least of each (Lagrange), for the best λ.
 
 use super::grid::{Grid, track};
+use super::sections::known;
 use super::tariff::{Aim, Detail, Tariff, unit, worth};
 use crate::model::Layout;
 use crate::problem::Problem;
-use crate::solve::{Effort, homotopy};
+use crate::solve::Effort;
+use crate::solve::homotopy::{self, CLASS, CLASS_WITH_SECTIONS, Held, Place};
 
 /// Narrowings of the range of λ, each by a third.
 const NARROWINGS: usize = 60;
 /// What rounding can have added, as a share.
 const ROUNDING: f64 = 1e-12;
 
-/// A bound of a layout's class, m or EUR. None where nothing holds such loops up.
-pub fn of_class(layout: &Layout, problem: &Problem, x: &[f64]) -> Option<f64> {
+/// A bound of a layout's class, m or EUR, and what that class is. None where nothing holds such loops up.
+pub fn of_class(layout: &Layout, problem: &Problem, x: &[f64]) -> Option<(f64, &'static str)> {
     let radii = (0..problem.vertices.len()).flat_map(|i| problem.radii(layout, i));
     let smallest = radii.fold(f64::INFINITY, f64::min);
-    at_length(layout, problem, x, homotopy::shortest(problem, &track(x), smallest)?)
+    let track = track(x);
+    let all = known(layout, problem, x);
+    let fixed: Vec<Held> = all.iter().filter(|held| matches!(held.place, Place::Known(_))).cloned().collect();
+    let mut choices = vec![(Vec::new(), CLASS), (fixed, CLASS_WITH_SECTIONS), (all, CLASS_WITH_SECTIONS)];
+    choices.dedup_by_key(|(sections, _)| sections.len());
+    let bound = |(sections, class): &(Vec<Held>, &'static str)| {
+        Some((homotopy::shortest(problem, &track, smallest, sections)?, *class))
+    };
+    // The widest class of those that are alike.
+    let best = choices.iter().filter_map(bound).reduce(|best, next| if next.0 > best.0 { next } else { best });
+    let (length, class) = best?;
+    Some((at_length(layout, problem, x, length)?, class))
 }
 
 /// Whether a layout is so near the best of its class that none needs to be looked for.
@@ -32,7 +45,7 @@ pub fn suffices(layout: &Layout, problem: &Problem, x: &[f64], effort: &Effort) 
         Aim::Length => track(x).length,
         Aim::Price { metre } => worth(layout, &track(x), metre),
     };
-    of_class(layout, problem, x).is_some_and(|bound| value - bound <= effort.gap * value)
+    of_class(layout, problem, x).is_some_and(|(bound, _)| value - bound <= effort.gap * value)
 }
 
 /// A bound for all layouts that are at least so long, m, and turn around as `x` does.

@@ -25,6 +25,7 @@ mod open;
 mod parts;
 mod row;
 mod search;
+mod sections;
 mod tariff;
 mod told;
 mod touched;

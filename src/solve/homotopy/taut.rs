@@ -1,4 +1,4 @@
-//! The shortest closed line of a class: pulled tight around points.
+//! The shortest closed line of a class: pulled tight around points, and through those that it has to pass.
 
 use crate::base::trig;
 use crate::geometry::Point;
@@ -8,12 +8,14 @@ const MOST: usize = 100_000;
 /// How far a line beside its points is from them, m: far less than these are apart.
 const BESIDE: f64 = 1e-9;
 
-/// Where a taut line bends: around a point that lies to the left (+1) or right (-1).
+/// Where a taut line bends: around a point that lies to the left (+1) or right (-1), or, to either side, where it has to
+/// pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bend {
     pub at: Point,
-    /// The point's index.
-    pub point: usize,
+    /// The point's index; none where the line has to pass.
+    pub point: Option<usize>,
+    /// +1 where the line has to pass.
     pub side: f64,
 }
 
@@ -33,7 +35,7 @@ impl Taut {
         self.bends[(from + 1) % self.len()].at - self.bends[from % self.len()].at
     }
 
-    /// How far it turns towards the point of a bend, rad.
+    /// How far it turns towards the point of a bend, or to the left where it has to pass, rad.
     pub fn turn(&self, bend: usize) -> f64 {
         let (into, out) = (self.edge(bend + self.len() - 1), self.edge(bend));
         self.bends[bend].side * trig::atan2(into.cross(out), into.dot(out))
@@ -47,7 +49,16 @@ impl Taut {
 
     /// The line a little beside its points.
     pub fn beside(&self) -> Vec<Point> {
-        (0..self.len()).map(|k| self.bends[k].at + self.outward(k) * BESIDE).collect()
+        let at = |k: usize| match self.bends[k].point {
+            Some(_) => self.bends[k].at + self.outward(k) * BESIDE,
+            None => self.bends[k].at,
+        };
+        (0..self.len()).map(at).collect()
+    }
+
+    /// Bends where it has to pass.
+    pub fn kept(&self) -> Vec<usize> {
+        (0..self.len()).filter(|&k| self.bends[k].point.is_none()).collect()
     }
 }
 
@@ -56,12 +67,14 @@ impl Taut {
 struct Knot {
     at: Point,
     around: Option<(usize, f64)>,
+    kept: bool,
 }
 
-/// Pulls a closed line tight: a knot between two others goes, and what lies in the triangle of the three holds the
-/// line instead. None where nothing holds it.
-pub fn pulled(line: &[Point], points: &[Point]) -> Option<Taut> {
-    let mut knots: Vec<Knot> = line.iter().map(|&at| Knot { at, around: None }).collect();
+/// Pulls a closed line tight, which keeps some of its own points (`kept`, ascending): a knot between two others goes,
+/// and what lies in the triangle of the three holds the line instead. None where nothing holds it.
+pub fn pulled(line: &[Point], kept: &[usize], points: &[Point]) -> Option<Taut> {
+    let knot = |(i, &at): (usize, &Point)| Knot { at, around: None, kept: kept.binary_search(&i).is_ok() };
+    let mut knots: Vec<Knot> = line.iter().enumerate().map(knot).collect();
     let (mut i, mut kept) = (0, 0);
     for _ in 0..MOST {
         let n = knots.len();
@@ -69,13 +82,16 @@ pub fn pulled(line: &[Point], points: &[Point]) -> Option<Taut> {
             return None;
         }
         if kept >= n {
-            let bend = |knot: &Knot| knot.around.map(|(point, side)| Bend { at: knot.at, point, side });
-            return knots.iter().map(bend).collect::<Option<Vec<Bend>>>().map(|bends| Taut { bends });
+            let bend = |knot: &Knot| {
+                let (point, side) = knot.around.map_or((None, 1.0), |(point, side)| (Some(point), side));
+                Bend { at: knot.at, point, side }
+            };
+            return Some(Taut { bends: knots.iter().map(bend).collect() });
         }
         i %= n;
         let (before, knot, after) = (knots[(i + n - 1) % n], knots[i], knots[(i + 1) % n]);
         let turn = (knot.at - before.at).cross(after.at - knot.at);
-        if knot.around.is_some_and(|(_, side)| side * turn >= 0.0) {
+        if knot.kept || knot.around.is_some_and(|(_, side)| side * turn >= 0.0) {
             (i, kept) = (i + 1, kept + 1);
             continue;
         }
@@ -106,7 +122,7 @@ fn chain([a, middle, b]: [Knot; 3], side: f64, points: &[Point]) -> Vec<Knot> {
     };
     let inside = |k: &usize| !own.contains(k) && side != 0.0 && within(points[*k]);
     let found: Vec<usize> = (0..points.len()).filter(inside).collect();
-    let knot = |k: usize| Knot { at: points[k], around: Some((k, side)) };
+    let knot = |k: usize| Knot { at: points[k], around: Some((k, side)), kept: false };
     let mut hull: Vec<Knot> = Vec::new();
     let mut at = a.at;
     // Jarvis' march: the next one has all others on the side of the points.

@@ -15,11 +15,14 @@
 //! bend on its free side at a right angle or more to both edges, or goes from a point beside an edge across it at a
 //! right angle, separates the line's ends; two of them never meet, as angles of a triangle would be too large there. So
 //! each loop of the class crosses all of them, in their order, and two neighbours are as far apart as along the edge.
+//!
+//! *Sections.* Where a loop has a straight of known heading, u is that along it, and what its ends add takes the place of
+//! what turning at a ray adds ([`super::held`]). Only rays count that stay away from all places where it may be.
 
-use super::Peg;
 use super::taut::Taut;
+use super::{Held, Peg};
 use crate::base::trig;
-use crate::geometry::Point;
+use crate::geometry::{Point, Track};
 
 /// Points beside an edge count up to this distance more than what is kept from them, m.
 const NEAR: f64 = 1.0;
@@ -34,35 +37,68 @@ const LEVEL: f64 = 1e-12;
 /// What rounding can have added, as a share of the length.
 const ROUNDING: f64 = 1e-12;
 
-/// A point with its ray. Headings go on along the line, without a jump at a half turn.
+/// What the line has at some place. Headings go on along it, without a jump at a half turn.
 #[derive(Clone, Copy, Debug)]
-struct Ray {
+struct Stop {
     at: Point,
-    /// +1 where the point lies to the left of the loop.
-    side: f64,
-    distance: f64,
-    /// Headings to which it may stand at a right angle, towards the free side, rad.
-    across: (f64, f64),
+    kind: Kind,
     /// Heading of the edge behind it, rad.
     heading: f64,
     /// Where it leaves the polygon: edge and m from the edge's begin.
     place: (usize, f64),
 }
 
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    /// A point with its ray.
+    Ray {
+        /// +1 where the point lies to the left of the loop.
+        side: f64,
+        distance: f64,
+        /// Headings to which it may stand at a right angle, towards the free side, rad.
+        across: (f64, f64),
+    },
+    /// The begin (0) or the end (1) of a section.
+    Section(usize, usize),
+}
+
+impl Stop {
+    fn side(&self) -> f64 {
+        if let Kind::Ray { side, .. } = self.kind { side } else { 1.0 }
+    }
+
+    /// Headings of the rays, if it has any.
+    fn rays(&self) -> Option<(f64, f64)> {
+        let Kind::Ray { side, across, .. } = self.kind else { return None };
+        let [a, b] = [across.0, across.1].map(|heading| heading - 0.5 * side * trig::PI);
+        Some((a, b))
+    }
+}
+
 /// The largest bound over points beside the line and over the directions.
-pub fn longest_bound(taut: &Taut, pegs: &[Peg], radius: f64) -> f64 {
-    let (bends, beside) = rays(taut, pegs);
-    let mut best = Bound::new(bends, taut, radius);
-    best.climb(0..best.rays.len());
+pub fn longest_bound(taut: &Taut, pegs: &[Peg], radius: f64, (track, sections): (&Track, &[Held])) -> f64 {
+    let (stops, beside) = stops(taut, pegs, track, sections);
+    if stops.len() < 2 {
+        return f64::NEG_INFINITY;
+    }
+    let mut best = Bound::new(stops, taut, radius, sections);
+    best.climb(0..best.stops.len());
+    for k in 0..best.stops.len() {
+        for with in best.narrowed(k) {
+            if with.value() > best.value() + WORTH {
+                best = with;
+            }
+        }
+    }
     for ray in beside {
-        let at = best.rays.partition_point(|r| r.place < ray.place);
+        let at = best.stops.partition_point(|r| r.place < ray.place);
         let with = best.with(at, ray);
         if with.value() > best.value() + WORTH {
             best = with;
         }
     }
-    for k in (0..best.rays.len()).rev() {
-        if best.rays.len() > 3 {
+    for k in (0..best.stops.len()).rev() {
+        if best.stops.len() > 3 && best.stops[k].rays().is_some() {
             let without = best.without(k);
             if without.value() > best.value() + WORTH {
                 best = without;
@@ -72,51 +108,78 @@ pub fn longest_bound(taut: &Taut, pegs: &[Peg], radius: f64) -> f64 {
     best.value() * (1.0 - ROUNDING) - ROUNDING
 }
 
-/// Rays of the bends, and of the points near an edge.
-fn rays(taut: &Taut, pegs: &[Peg]) -> (Vec<Ray>, Vec<Ray>) {
+/// What the line passes at its bends, and rays of the points near an edge.
+fn stops(taut: &Taut, pegs: &[Peg], track: &Track, sections: &[Held]) -> (Vec<Stop>, Vec<Stop>) {
     let n = taut.len();
     let (mut bends, mut beside) = (Vec::new(), Vec::new());
     let mut heading = taut.edge(n - 1).heading();
+    let mut ends = 0;
     for (k, bend) in taut.bends.iter().enumerate() {
         let before = heading;
         heading += bend.side * taut.turn(k);
-        let across = (before.min(heading), before.max(heading));
-        let distance = pegs[bend.point].distance;
-        bends.push(Ray { at: bend.at, side: bend.side, distance, across, heading, place: (k, 0.0) });
         let (edge, next) = (taut.edge(k), taut.bends[(k + 1) % n].point);
+        match bend.point {
+            Some(point) => {
+                let across = (before.min(heading), before.max(heading));
+                let kind = Kind::Ray { side: bend.side, distance: pegs[point].distance, across };
+                let stop = Stop { at: bend.at, kind, heading, place: (k, 0.0) };
+                bends.extend(clear(stop, sections));
+            }
+            None => {
+                let (held, end) = (ends / 2, ends % 2);
+                ends += 1;
+                let at = sections[held].at(track)[end];
+                bends.push(Stop { at, kind: Kind::Section(held, end), heading, place: (k, 0.0) });
+                if end == 0 {
+                    continue;
+                }
+            }
+        }
         let (length, along) = (edge.norm(), edge * (1.0 / edge.norm()));
-        for peg in (0..pegs.len()).filter(|i| *i != bend.point && *i != next).map(|i| pegs[i]) {
+        for peg in (0..pegs.len()).filter(|i| Some(*i) != bend.point && Some(*i) != next).map(|i| pegs[i]) {
             let from = peg.at - bend.at;
             let (foot, off) = (along.dot(from), along.cross(from));
             if foot > 0.0 && foot < length && off.abs() < peg.distance + NEAR {
-                let (at, side, distance) = (peg.at, off.signum(), peg.distance);
-                beside.push(Ray { at, side, distance, across: (heading, heading), heading, place: (k, foot) });
+                let kind = Kind::Ray { side: off.signum(), distance: peg.distance, across: (heading, heading) };
+                let stop = Stop { at: peg.at, kind, heading, place: (k, foot) };
+                beside.extend(clear(stop, sections));
             }
         }
     }
     (bends, beside)
 }
 
-/// The bound of some rays, with the direction behind each.
+/// A stop whose rays stay away from all sections: all of its rays, or those at one end of their headings, or none.
+fn clear(stop: Stop, sections: &[Held]) -> Option<Stop> {
+    let Kind::Ray { side, distance, across } = stop.kind else { return Some(stop) };
+    [across, (across.0, across.0), (across.1, across.1)].into_iter().find_map(|across| {
+        let stop = Stop { kind: Kind::Ray { side, distance, across }, ..stop };
+        let rays = stop.rays()?;
+        sections.iter().all(|held| held.is_clear_of(stop.at, rays)).then_some(stop)
+    })
+}
+
+/// The bound of some stops, with the direction behind each.
 #[derive(Clone)]
 struct Bound<'a> {
     taut: &'a Taut,
+    sections: &'a [Held],
     /// The smallest radius, m.
     radius: f64,
     /// How far the loop turns in all, rad.
     winding: f64,
-    rays: Vec<Ray>,
-    /// Of u between a ray and the next, rad.
+    stops: Vec<Stop>,
+    /// Of u between a stop and the next, rad.
     directions: Vec<f64>,
-    /// Along the polygon from a ray to the next, m.
+    /// From a stop to the next at least, m: along the polygon between rays.
     apart: Vec<f64>,
 }
 
 impl<'a> Bound<'a> {
-    fn new(rays: Vec<Ray>, taut: &'a Taut, radius: f64) -> Self {
-        let directions = rays.iter().map(|r| r.heading).collect();
+    fn new(stops: Vec<Stop>, taut: &'a Taut, radius: f64, sections: &'a [Held]) -> Self {
+        let directions = stops.iter().map(|r| r.heading).collect();
         let winding = (0..taut.len()).map(|k| taut.bends[k].side * taut.turn(k)).sum();
-        let mut bound = Bound { taut, radius, winding, rays, directions, apart: Vec::new() };
+        let mut bound = Bound { taut, sections, radius, winding, stops, directions, apart: Vec::new() };
         bound.measure();
         bound
     }
@@ -128,84 +191,145 @@ impl<'a> Bound<'a> {
             edges.push(length);
             length += self.taut.edge(k).norm();
         }
-        let n = self.rays.len();
+        let n = self.stops.len();
         let at =
-            |j: usize| edges[self.rays[j % n].place.0] + self.rays[j % n].place.1 + if j < n { 0.0 } else { length };
-        self.apart = (0..n).map(|j| at(j + 1) - at(j)).collect();
+            |j: usize| edges[self.stops[j % n].place.0] + self.stops[j % n].place.1 + if j < n { 0.0 } else { length };
+        let apart = |j: usize| {
+            let (stop, next) = (&self.stops[j], &self.stops[(j + 1) % n]);
+            match (stop.kind, stop.rays(), next.kind, next.rays()) {
+                (_, Some(_), _, Some(_)) => at(j + 1) - at(j),
+                (Kind::Section(held, end), _, _, Some(rays)) => self.sections[held].room(end, next.at, rays),
+                (_, Some(rays), Kind::Section(held, end), _) => self.sections[held].room(end, stop.at, rays),
+                // On a section, or between two.
+                _ => 0.0,
+            }
+        };
+        self.apart = (0..n).map(apart).collect();
     }
 
-    /// With one more ray, behind ray `at` - 1: the first is a bend's.
-    fn with(&self, at: usize, ray: Ray) -> Self {
+    /// With one more ray, before stop `at`.
+    fn with(&self, at: usize, ray: Stop) -> Self {
         let mut other = self.clone();
-        other.rays.insert(at, ray);
-        other.directions.insert(at, self.directions[at - 1]);
+        other.stops.insert(at, ray);
+        other.directions.insert(at, self.before(at));
         other.measure();
-        let n = other.rays.len();
+        let n = other.stops.len();
         other.climb(at + n - 1..at + n + 2);
         other
+    }
+
+    /// With rays at one end only of the headings that a stop beside a section has: they may be farther from that.
+    fn narrowed(&self, k: usize) -> Vec<Self> {
+        let n = self.stops.len();
+        let beside = [(k + n - 1) % n, (k + 1) % n].iter().any(|&j| self.stops[j].rays().is_none());
+        let Kind::Ray { side, distance, across } = self.stops[k].kind else { return Vec::new() };
+        let ends = if beside && across.0 < across.1 { vec![across.0, across.1] } else { Vec::new() };
+        let with = |heading: f64| {
+            let mut other = self.clone();
+            other.stops[k].kind = Kind::Ray { side, distance, across: (heading, heading) };
+            other.measure();
+            other.climb(k + 2 * n - 2..k + 2 * n + 3);
+            other
+        };
+        ends.into_iter().map(with).collect()
     }
 
     fn without(&self, k: usize) -> Self {
         let mut other = self.clone();
         let middle = 0.5 * (self.before(k) + self.directions[k]);
-        other.rays.remove(k);
+        other.stops.remove(k);
         other.directions.remove(k);
-        let last = other.rays.len() - 1;
+        let last = other.stops.len() - 1;
         other.directions[k.checked_sub(1).unwrap_or(last)] = if k == 0 { middle + self.winding } else { middle };
         other.measure();
-        let n = other.rays.len();
-        other.climb(k + n - 2..k + n + 1);
+        let n = other.stops.len();
+        other.climb(k + 2 * n - 2..k + 2 * n + 1);
         other
     }
 
-    /// Direction before a ray.
+    /// Direction before a stop.
     fn before(&self, j: usize) -> f64 {
-        if j == 0 { self.directions[self.rays.len() - 1] - self.winding } else { self.directions[j - 1] }
+        if j == 0 { self.directions[self.stops.len() - 1] - self.winding } else { self.directions[j - 1] }
     }
 
     /// How far u turns towards the point of a ray, rad.
     fn turn(&self, j: usize) -> f64 {
-        self.rays[j].side * (self.directions[j] - self.before(j))
+        self.stops[j].side() * (self.directions[j] - self.before(j))
     }
 
-    /// What u between a ray and the next adds, m.
+    /// By how much u is off the heading at a stop, at least, where that costs a radius, rad.
+    fn bent(&self, j: usize) -> f64 {
+        match self.stops[j].kind {
+            Kind::Ray { .. } => 0.5 * self.turn(j).max(0.0),
+            Kind::Section(held, end) => self.sections[held].bent(end, self.free(j, end)),
+        }
+    }
+
+    /// The direction beside an end of a section.
+    fn free(&self, j: usize, end: usize) -> f64 {
+        if end == 0 { self.before(j) } else { self.directions[j] }
+    }
+
+    /// Whether u behind a stop is a section's.
+    fn is_known(&self, j: usize) -> bool {
+        matches!(self.stops[j].kind, Kind::Section(_, 0))
+    }
+
+    /// What u between a stop and the next adds, m.
     fn along(&self, j: usize) -> f64 {
-        let next = self.rays[(j + 1) % self.rays.len()].at;
-        Point::unit(self.directions[j]).dot(next - self.rays[j].at)
+        let next = self.stops[(j + 1) % self.stops.len()].at;
+        Point::unit(self.directions[j]).dot(next - self.stops[j].at)
     }
 
-    /// What turning at a ray adds, m; nothing can be said where it turns the wrong way.
+    /// What turning at a stop adds, m; nothing can be said where it turns the wrong way.
     fn bending(&self, j: usize) -> f64 {
-        let (n, ray, turn) = (self.rays.len(), &self.rays[j], self.turn(j));
+        let n = self.stops.len();
+        let share = |apart: f64, other: f64| apart / (self.bent(j) + other).max(f64::MIN_POSITIVE);
+        let behind = || share(self.apart[(j + n - 1) % n], self.bent((j + n - 1) % n));
+        let ahead = || share(self.apart[j], self.bent((j + 1) % n));
+        let (side, distance, across) = match self.stops[j].kind {
+            Kind::Ray { side, distance, across } => (side, distance, across),
+            Kind::Section(held, end) => {
+                let radius = self.radius.min(if end == 0 { behind() } else { ahead() });
+                let own = self.sections[held].beyond(end, self.free(j, end), radius);
+                return own + if end == 0 { self.elsewhere(j, held) } else { 0.0 };
+            }
+        };
+        let turn = side * (self.directions[j] - self.before(j));
         if !(0.0..=trig::PI).contains(&turn) {
             return if turn > -LEVEL && turn < 0.0 { 0.0 } else { f64::NEG_INFINITY };
         }
-        let [behind, ahead] = [(j + n - 1) % n, (j + 1) % n].map(|k| self.turn(k).max(0.0));
-        let share = |apart: f64, other: f64| 2.0 * apart / (turn + other).max(f64::MIN_POSITIVE);
-        let radius = self.radius.min(share(self.apart[(j + n - 1) % n], behind)).min(share(self.apart[j], ahead));
+        let radius = self.radius.min(behind()).min(ahead());
         let middle = 0.5 * (self.directions[j] + self.before(j));
-        let off = middle - middle.clamp(ray.across.0, ray.across.1);
+        let off = middle - middle.clamp(across.0, across.1);
         if off.abs() > 0.5 * trig::PI {
             return f64::NEG_INFINITY;
         }
         let chord = 2.0 * trig::sin(0.5 * turn);
-        ray.distance * chord * trig::cos(off) + radius * (turn - chord)
+        distance * chord * trig::cos(off) + radius * (turn - chord)
+    }
+
+    /// What another place of a section takes off, of which this is the begin.
+    fn elsewhere(&self, j: usize, held: usize) -> f64 {
+        let end = (j + 1) % self.stops.len();
+        self.sections[held].elsewhere([self.stops[j].at, self.stops[end].at], self.before(j), self.directions[end])
     }
 
     fn value(&self) -> f64 {
-        (0..self.rays.len()).map(|j| self.along(j) + self.bending(j)).sum()
+        (0..self.stops.len()).map(|j| self.along(j) + self.bending(j)).sum()
     }
 
     /// What hangs on one direction.
     fn near(&self, j: usize) -> f64 {
-        let n = self.rays.len();
+        let n = self.stops.len();
         let bending = (j + n - 1..j + n + 3).map(|k| self.bending(k % n)).sum::<f64>();
         self.along(j) + bending
     }
 
-    /// Turns one direction after the other, beginning with some, as long as the bound grows.
+    /// Turns one direction after the other, beginning with some, as long as the bound grows; those at the ends of a section
+    /// together, too.
     fn climb(&mut self, from: std::ops::Range<usize>) {
-        let n = self.rays.len();
+        let n = self.stops.len();
         let mut moved = vec![false; n];
         from.for_each(|k| moved[k % n] = true);
         let mut step = COARSEST;
@@ -218,18 +342,39 @@ impl<'a> Bound<'a> {
                 }
                 waiting.fill(false);
                 for j in turns {
-                    let (was, now) = (self.directions[j], self.near(j));
-                    for by in [step, -step] {
-                        self.directions[j] = was + by;
-                        if self.near(j) > now {
-                            (j + n - 2..j + n + 3).for_each(|k| (waiting[k % n], moved[k % n]) = (true, true));
-                            break;
-                        }
-                        self.directions[j] = was;
+                    if self.turned(j, step) {
+                        (j + 2 * n - 3..j + 2 * n + 4).for_each(|k| (waiting[k % n], moved[k % n]) = (true, true));
                     }
                 }
             }
             step *= 0.25;
         }
+    }
+
+    /// Turns a direction by a step if the bound grows by it. That along a section is known: those before and behind it
+    /// are turned instead.
+    fn turned(&mut self, j: usize, step: f64) -> bool {
+        let n = self.stops.len();
+        if !self.is_known(j) {
+            let (was, now) = (self.directions[j], self.near(j));
+            for by in [step, -step] {
+                self.directions[j] = was + by;
+                if self.near(j) > now {
+                    return true;
+                }
+            }
+            self.directions[j] = was;
+            return false;
+        }
+        let ends = [(j + n - 1) % n, (j + 1) % n];
+        let (was, now) = (ends.map(|k| self.directions[k]), self.value());
+        for (a, b) in [(step, step), (step, -step), (-step, step), (-step, -step)] {
+            (self.directions[ends[0]], self.directions[ends[1]]) = (was[0] + a, was[1] + b);
+            if self.value() > now {
+                return true;
+            }
+        }
+        (self.directions[ends[0]], self.directions[ends[1]]) = (was[0], was[1]);
+        false
     }
 }
