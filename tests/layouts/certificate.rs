@@ -217,6 +217,24 @@ fn long_loops_are_bounded_by_the_obstacles_that_they_wind_around() {
     assert!(certificate.nodes == 0 && certificate.gap < 0.07, "{certificate:?}");
 }
 
+/// A fixed section, the straights beside it, and a section that has to lie beyond the obstacles hold a loop up as well.
+#[test]
+fn sections_hold_a_loop_up() {
+    let hub = layout(include_str!("../../examples/hub.lss"));
+    let effort = Effort { nodes: 50, gap: 0.005, ..Effort::default() };
+    let certificate = last(&hub, effort, 2).certificate.expect("a certificate");
+    assert!(certificate.gap < 0.005 && !certificate.proven, "{certificate:?}");
+    assert!(certificate.assumed.iter().any(|a| a.contains("sections of fixed heading")), "{certificate:?}");
+    // What is proven without classes is no shorter than a bound of its class.
+    let text = include_str!("../../examples/thesis10.lss");
+    let turned = text.replace("  fix all P8..P9\n", "");
+    for (text, proven) in [(text, 159.514067), (&turned, 128.042605)] {
+        let certificate = last(&layout(text), Effort { nodes: 1, ..Effort::default() }, 2).certificate;
+        let bound = certificate.expect("a certificate").lower_bound;
+        assert!(bound <= proven + 2e-6, "{bound} m for {proven} m");
+    }
+}
+
 /// Several solves build loops that may not be moved into each other: what they prove together is of all loops.
 #[test]
 fn what_several_solves_prove_is_of_no_class() {
