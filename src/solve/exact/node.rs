@@ -3,7 +3,7 @@
 use super::alternative::Decided;
 use super::master::Pool;
 use super::open::Open;
-use super::row::GridRow;
+use super::row::{self, GridRow};
 use std::cmp::Ordering;
 
 /// Some of the choices, with rows that hold for them.
@@ -20,20 +20,7 @@ pub struct Node {
 impl Node {
     /// What straights lie between, m, by stage: within these limits, as far as rows of a single straight say.
     pub fn straights(&self, limits: &[(f64, f64)]) -> Vec<(f64, f64)> {
-        let mut within = limits.to_vec();
-        for row in &self.rows {
-            if let ([(k, weight)], true) = (row.straight.as_slice(), row.is_of_straights()) {
-                let bound = row.low / weight;
-                let own = &mut within[*k];
-                if *weight > 0.0 || row.equal {
-                    own.0 = own.0.max(bound);
-                }
-                if *weight < 0.0 || row.equal {
-                    own.1 = own.1.min(bound);
-                }
-            }
-        }
-        within
+        row::straights(&self.rows, limits)
     }
 }
 

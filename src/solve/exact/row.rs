@@ -147,6 +147,24 @@ pub struct Stated {
     pub partial: bool,
 }
 
+/// What straights lie between, m, by stage: within these limits, as far as rows of a single straight say.
+pub fn straights(rows: &[GridRow], limits: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut within = limits.to_vec();
+    for row in rows {
+        if let ([(k, weight)], true) = (row.straight.as_slice(), row.is_of_straights()) {
+            let bound = row.low / weight;
+            let own = &mut within[*k];
+            if *weight > 0.0 || row.equal {
+                own.0 = own.0.max(bound);
+            }
+            if *weight < 0.0 || row.equal {
+                own.1 = own.1.min(bound);
+            }
+        }
+    }
+    within
+}
+
 /// Translates a problem.
 pub fn state(problem: &Problem, grid: &Grid) -> Stated {
     let n = grid.len();

@@ -22,7 +22,8 @@ pub fn known(layout: &Layout, problem: &Problem, at: &[f64]) -> Vec<Held> {
         return Vec::new();
     };
     let n = grid.len();
-    let least = straights(problem, &grid);
+    let stated = row::state(problem, &grid);
+    let least: Vec<f64> = row::straights(&stated.rows, &stated.straights).iter().map(|limits| limits.0).collect();
     let track = track(at);
     let fixed = |k: usize| problem.bounds[k].low == problem.bounds[k].high;
     let is_known = |v: usize| fixed(x(v)) && fixed(y(v));
@@ -58,20 +59,6 @@ pub fn known(layout: &Layout, problem: &Problem, at: &[f64]) -> Vec<Held> {
         Some(Held { section: i, heading, place })
     };
     found.iter().filter_map(section).collect()
-}
-
-/// The least length of each straight, m, by stage.
-fn straights(problem: &Problem, grid: &Grid) -> Vec<f64> {
-    let stated = row::state(problem, grid);
-    let mut least: Vec<f64> = stated.straights.iter().map(|limits| limits.0.max(0.0)).collect();
-    for row in &stated.rows {
-        if let ([(k, weight)], true) = (row.straight.as_slice(), row.is_of_straights())
-            && *weight > 0.0
-        {
-            least[*k] = least[*k].max(row.low / weight);
-        }
-    }
-    least
 }
 
 /// Where a section of known heading can be: within the walls, and where rows of one coordinate of its vertices say.

@@ -86,6 +86,11 @@ impl Turn {
         let ahead = radius * angle - tangent + straight;
         Turn { ahead, tangent, reach: tangent + straight, to: Point::unit(angle) }
     }
+
+    /// Its direction behind the curve, seen away from the section along `out`; the sign is that of the turn, seen so.
+    fn along(&self, out: Point, sign: f64) -> Point {
+        out * self.to.x + out.left() * (sign * self.to.y)
+    }
 }
 
 impl End {
@@ -202,12 +207,5 @@ impl Held {
                 apart.fold(f64::INFINITY, f64::min)
             }
         }
-    }
-}
-
-impl Turn {
-    /// Its direction behind the curve, seen away from the section along `out`; the sign is that of the turn, seen so.
-    fn along(&self, out: Point, sign: f64) -> Point {
-        out * self.to.x + out.left() * (sign * self.to.y)
     }
 }

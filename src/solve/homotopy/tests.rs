@@ -3,7 +3,7 @@
 use super::{End, Held, Peg, Place, Range, Turn, word};
 use crate::base::random::Random;
 use crate::base::trig::{PI, TAU};
-use crate::geometry::{Corner, PieceKind, Point, Track, distance_to_segment};
+use crate::geometry::{Corner, Piece, PieceKind, Point, Track, distance_to_segment};
 use std::f64::consts::SQRT_2;
 
 fn pegs(points: &[(f64, f64)], distance: f64) -> Vec<Peg> {
@@ -69,6 +69,17 @@ fn clear(line: &[Point], peg: &Peg) -> f64 {
     ends.map(|(a, b)| distance_to_segment(peg.at, *a, *b)).fold(f64::INFINITY, f64::min)
 }
 
+/// A point on the inner side of each curve, a little farther off than it must be.
+fn within_curves(track: &Track, distance: f64, random: &mut Random) -> Vec<Peg> {
+    let point = |piece: &Piece| {
+        let PieceKind::Arc { centre, .. } = piece.kind else { return None };
+        let middle = piece.at(0.5 * piece.length).0;
+        let inwards = (centre - middle) * (1.0 / (centre - middle).norm());
+        Some(Peg { at: middle + inwards * (distance + 0.05 + 2.0 * random.uniform()), distance })
+    };
+    track.pieces.iter().filter_map(point).collect()
+}
+
 /// Loops with dents around points beside their corners, shortened at random as far as they go: none gets below the
 /// bound of its class, which is near them.
 #[test]
@@ -87,17 +98,7 @@ fn no_loop_of_a_class_is_shorter_than_its_bound() {
             })
             .collect();
         let track = Track::new(&at);
-        let mut held = Vec::new();
-        for piece in &track.pieces {
-            if let PieceKind::Arc { centre, .. } = piece.kind {
-                let middle = piece.at(0.5 * piece.length).0;
-                let inwards = (centre - middle) * (1.0 / (centre - middle).norm());
-                held.push(Peg {
-                    at: middle + inwards * (DISTANCE + 0.05 + 2.0 * random.uniform()),
-                    distance: DISTANCE,
-                });
-            }
-        }
+        let held = within_curves(&track, DISTANCE, &mut random);
         let points: Vec<Point> = held.iter().map(|p| p.at).collect();
         let feasible = |at: &[Corner]| {
             let track = Track::new(at);
@@ -176,15 +177,7 @@ fn no_loop_with_a_section_is_shorter_than_its_bound() {
         let section = (at[1].point - at[0].point) * (1.0 / at[1].point.distance(at[0].point));
         let heading = section.heading();
         let track = Track::new(&at);
-        let mut held = Vec::new();
-        for piece in &track.pieces {
-            if let PieceKind::Arc { centre, .. } = piece.kind {
-                let middle = piece.at(0.5 * piece.length).0;
-                let inwards = (centre - middle) * (1.0 / (centre - middle).norm());
-                let off = DISTANCE + 0.05 + 2.0 * random.uniform();
-                held.push(Peg { at: middle + inwards * off, distance: DISTANCE });
-            }
-        }
+        let held = within_curves(&track, DISTANCE, &mut random);
         let points: Vec<Point> = held.iter().map(|p| p.at).collect();
         // The rectangle begins where the section is, or further in, away from all points.
         let across = section.left().dot(at[0].point);
