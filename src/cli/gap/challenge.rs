@@ -125,9 +125,9 @@ impl Score {
                 line.known();
             } else {
                 line.at(step.number as u64, || step.case.to_owned());
-            }
-            if !line.moves() && step.before != Before::Kept {
-                report::note(&format!("{} ({} of {})", step.case, step.number + 1, step.of));
+                if !line.moves() {
+                    report::note(&format!("{} ({} of {})", step.case, step.number + 1, step.of));
+                }
             }
             let say = |why: &str| line.beside(|| report::warning(&format!("{}: {why}", step.case)));
             match step.before {
