@@ -81,7 +81,7 @@ mod tests {
     use crate::gap::observation::Observation;
     use crate::gap::screen::Signature;
     use crate::gap::settings::Settings;
-    use crate::gap::simulator::{Applied, Candidate, Candidates, Context, Frame, Simulator, Strength};
+    use crate::gap::simulator::{Applied, Candidate, Candidates, Context, Frame, Simulator};
 
     const FEATURES: usize = 80;
 
@@ -122,26 +122,7 @@ mod tests {
         let mut noise = || (0..FEATURES).map(|_| normal(&mut state)).collect::<Vec<f64>>();
         let measured = noise().iter().enumerate().map(|(k, x)| x + done([6.0, 9.0], k)).collect();
         let frames: PerRun<Frame> = vec![Frame::bare(measured, (0..40).map(|_| noise()).collect())].into();
-        let candidate = |effect: &str| Candidate {
-            effect: effect.into(),
-            place: String::new(),
-            fixed: Vec::new(),
-            strengths: vec![Strength {
-                name: "size".into(),
-                unit: String::new(),
-                trial: 1.0,
-                as_built: 0.0,
-                beside: false,
-                low: 0.0,
-                high: 20.0,
-                shares: PerRun::default(),
-            }],
-            sensor: false,
-            random_effect: None,
-            discrepancy: 0.0,
-            several: false,
-            alternative_to: None,
-        };
+        let candidate = |effect: &str| Candidate::bare(effect, 1.0, (0.0, 20.0));
         let model = Threshold { candidates: vec![candidate("even"), candidate("play")].into(), frames };
         let settings = Settings::default();
         let observations: PerRun<Observation> =

@@ -37,6 +37,7 @@ mod several_places;
 mod shape;
 mod significance;
 mod simulator;
+mod sizes;
 mod strengths_beside;
 mod tune;
 mod untested;

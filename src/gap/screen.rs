@@ -4,7 +4,7 @@ use super::ids::{CandidateId, List, PerRun, RunId, SignatureId};
 use super::observation::{Observation, most_off};
 use super::settings::Screening;
 use super::simulator::{Applied, Candidates, Context, Frame, Request};
-use crate::base::trig;
+use super::sizes::{Sized, sized};
 use nalgebra::{DMatrix, DVector};
 
 /// What a strength of a candidate changes, over all runs.
@@ -94,87 +94,6 @@ pub fn signatures(
     found
 }
 
-/// Trials at the sizes that the run asks for of which most is left.
-fn sized(
-    context: Context,
-    observations: &PerRun<Observation>,
-    left: &PerRun<DVector<f64>>,
-    firsts: &[Trial],
-    tell: &mut dyn FnMut(usize),
-) -> Vec<Sized> {
-    let settings = &context.settings.screening;
-    let candidates = context.simulator.candidates();
-    let run = most_off(observations, left);
-    let mut all: Vec<Sized> = firsts.iter().map(|trial| Sized { trial: *trial, signature: None }).collect();
-    // What is there of an effect where hardly a gap is has no strength far from the first.
-    let large = observations[run].mean_square(&left[run]) >= settings.selects_from;
-    let (ladder, mut open): (Vec<usize>, Vec<usize>) =
-        (0..all.len()).partition(|k| large && few(candidates, firsts[*k], settings.few_places));
-    for _ in 0..settings.resizings {
-        let now: Vec<Trial> = open.iter().map(|k| all[*k].trial).collect();
-        let before = all.len() - open.len();
-        let taken = take(context, observations, &now, Runs::One(run), &mut |done| tell(before + done));
-        let mut again = Vec::new();
-        for (k, (signature, whole)) in open.into_iter().zip(taken) {
-            let own = &mut all[k];
-            let strength = &candidates[own.trial.candidate].strengths[own.trial.strength];
-            if whole {
-                let size =
-                    asked(&signature, &observations[run], run, &left[run], (strength.low, strength.high), settings);
-                if !strength.whole() && !(0.5..2.0).contains(&(size / own.trial.size)) {
-                    own.trial.size = size;
-                    again.push(k);
-                }
-                own.signature = Some(signature);
-            } else {
-                // As large as could be simulated.
-                own.trial = firsts[k];
-            }
-        }
-        open = again;
-    }
-    // What has few places is tried at strengths a factor apart, until it does far more than there is to explain: what
-    // it does is seldom in proportion, and a fit that begins far off ends far off. Where none explains anything, the
-    // first that is clear is taken, or the largest.
-    let residual = &left[run];
-    let gap = residual.norm_squared();
-    let mut least = vec![settings.rung_left * gap; all.len()];
-    let mut open = ladder;
-    for rung in 0..settings.rungs {
-        let tried: Vec<Trial> =
-            open.iter().map(|k| firsts[*k].rung(candidates, rung as f64 / (settings.rungs - 1) as f64)).collect();
-        let taken = take(context, observations, &tried, Runs::One(run), &mut |_| tell(all.len()));
-        let mut again = Vec::new();
-        for ((k, trial), (signature, whole)) in open.into_iter().zip(tried).zip(taken) {
-            if !whole {
-                continue;
-            }
-            let left = (residual - &signature.columns[run] * trial.size).norm_squared();
-            if left < settings.overshot * gap {
-                again.push(k);
-            }
-            let clear = |s: &Signature| s.columns[run].amax() * s.size.abs() >= settings.clear;
-            let better = match &all[k].signature {
-                None => true,
-                Some(before) => left < least[k] || (least[k] == settings.rung_left * gap && !clear(before)),
-            };
-            if better {
-                least[k] = least[k].min(left);
-                all[k] = Sized { trial, signature: Some(signature) };
-            }
-        }
-        open = again;
-    }
-    all
-}
-
-/// A trial at the size that a run asks for, and the last signature in that run that led to it; none where it could not
-/// be simulated.
-struct Sized {
-    trial: Trial,
-    signature: Option<Signature>,
-}
-
 /// Which of them are worth simulations of all runs: those that tell something of what is left of the run they were taken
 /// in, or of what the best of them together leave there (orthogonal matching pursuit, Pati, Rezaiifar and Krishnaprasad
 /// 1993); those that could not be simulated, and those that every built machine has.
@@ -222,13 +141,6 @@ fn telling(
         out.push(best);
     }
     tells
-}
-
-/// Whether an effect has few places, `most` of them.
-fn few(candidates: &Candidates, trial: Trial, most: usize) -> bool {
-    let own = &candidates[trial.candidate];
-    let alike = candidates.iter().filter(|c| c.alternative_to.is_none() && c.effect == own.effect);
-    !own.sensor && own.strengths[trial.strength].low >= 0.0 && alike.count() <= most
 }
 
 /// Keeps a signature, unless one that was taken with the other sign explains more of what is left of each run.
@@ -287,12 +199,6 @@ impl Signature {
 }
 
 impl Trial {
-    /// At a share of the way, by factors, from half its own strength to half of what may be.
-    fn rung(self, candidates: &Candidates, share: f64) -> Trial {
-        let (low, high) = (0.5 * self.size, 0.5 * candidates[self.candidate].strengths[self.strength].high);
-        Trial { size: low * trig::exp(share * trig::ln(high / low)), ..self }
-    }
-
     /// At the nearest size that is declared.
     fn bounded(self, candidates: &Candidates) -> Trial {
         Trial { size: candidates[self.candidate].strengths[self.strength].bounded(self.size), ..self }
@@ -302,27 +208,6 @@ impl Trial {
     pub fn other(self) -> Trial {
         Trial { size: -self.size, ..self }
     }
-}
-
-/// The strength at which an effect does as much in a run as is left to explain, and is clear: few effects are linear,
-/// and power grows with the square at first.
-fn asked(
-    signature: &Signature,
-    observation: &Observation,
-    run: RunId,
-    left: &DVector<f64>,
-    (low, high): (f64, f64),
-    settings: &Screening,
-) -> f64 {
-    let column = &signature.columns[run];
-    let own = column.norm_squared().max(1e-300);
-    let gap = left.norm_squared() - observation.replicate * observation.features() as f64;
-    let size = (gap.max(0.0) / own).sqrt().max(1.5 * settings.clear / column.amax().max(1e-300));
-    let now = signature.size.abs();
-    let size = size.clamp(now / settings.resize_factor, now * settings.resize_factor);
-    // A strength that has one sign only keeps it.
-    let negative = if high > 0.0 { low < 0.0 && column.dot(left) < 0.0 } else { true };
-    if negative { -size.min(-0.5 * low) } else { size.min(0.5 * high) }
 }
 
 /// Which runs a signature is taken of.

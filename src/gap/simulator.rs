@@ -165,6 +165,34 @@ pub struct Candidate {
     pub alternative_to: Option<CandidateId>,
 }
 
+#[cfg(test)]
+impl Candidate {
+    /// An effect with one strength and no place.
+    pub fn bare(effect: &str, trial: f64, (low, high): (f64, f64)) -> Candidate {
+        let strength = Strength {
+            name: "size".into(),
+            unit: String::new(),
+            trial,
+            as_built: 0.0,
+            beside: false,
+            low,
+            high,
+            shares: PerRun::default(),
+        };
+        Candidate {
+            effect: effect.into(),
+            place: String::new(),
+            fixed: Vec::new(),
+            strengths: vec![strength],
+            sensor: false,
+            random_effect: None,
+            discrepancy: 0.0,
+            several: false,
+            alternative_to: None,
+        }
+    }
+}
+
 impl Candidate {
     /// Whether an effect as an input has it is this one, whatever its strengths.
     pub fn is(&self, effect: &DeclaredEffect) -> bool {

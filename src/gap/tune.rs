@@ -143,7 +143,7 @@ mod tests {
     use super::*;
     use crate::base::trig;
     use crate::gap::ids::Id;
-    use crate::gap::simulator::{Applied, Candidate, Candidates, Frame, Label, Strength};
+    use crate::gap::simulator::{Applied, Candidate, Candidates, Frame, Label};
     use nalgebra::DMatrix;
 
     /// Features in proportion to a strength, and as many that saturate.
@@ -179,27 +179,7 @@ mod tests {
 
     #[test]
     fn a_shift_is_found_though_distributions_saturate() {
-        let strength = Strength {
-            name: "x".into(),
-            unit: "N".into(),
-            trial: 1.0,
-            as_built: 0.0,
-            beside: false,
-            low: -99.0,
-            high: 99.0,
-            shares: PerRun::default(),
-        };
-        let candidate = Candidate {
-            effect: "bias".into(),
-            place: String::new(),
-            fixed: Vec::new(),
-            strengths: vec![strength],
-            sensor: true,
-            random_effect: None,
-            discrepancy: 0.0,
-            several: false,
-            alternative_to: None,
-        };
+        let candidate = Candidate { sensor: true, ..Candidate::bare("bias", 1.0, (-99.0, 99.0)) };
         let label = |k: usize| {
             let band = if k < HALF { Band::Track } else { Band::Distribution };
             Label { channel: "a".into(), band, index: k % HALF, from: k as i64, to: k as i64 + 1 }
