@@ -6,8 +6,8 @@
 use super::ids::{PerRun, RunId, SignatureId};
 use super::observation::{Observation, most_off};
 use super::repeatability::{Repeatability, repeatabilities};
-use super::screen::{Signature, Signatures, explain};
 use super::settings::{RandomEffects, SHARES, Settings};
+use super::signature::{Signature, Signatures, explain};
 use super::simulator::{Context, Laps, Request, Simulator, Strength};
 use crate::base::{parallel, trig};
 use crate::effects::RandomEffect;

@@ -7,8 +7,8 @@ use super::hypothesis::{Fitted, Hypothesis, norm_squared, room_near, stepped};
 use super::ids::{PerRun, RunId};
 use super::observation::Observation;
 use super::scored::Scored;
-use super::screen::{self, Runs, Signature, Signatures, Trial, explain};
 use super::settings::GaussNewton;
+use super::signature::{Runs, Signature, Signatures, Trial, explain, take};
 use super::simulator::{Applied, Request};
 use nalgebra::DVector;
 use std::collections::BTreeSet;
@@ -88,7 +88,7 @@ impl Comparison<'_> {
             signatures.with_ids().find(|(_, s)| same(s)).map(|(id, _)| id)
         };
         let missing: Vec<Trial> = trials.iter().filter(|t| own(&self.signatures, t).is_none()).copied().collect();
-        for (signature, _) in screen::take(self.context(), &self.observations, &missing, Runs::All, &mut |_| {}) {
+        for (signature, _) in take(self.context(), &self.observations, &missing, Runs::All, &mut |_| {}) {
             self.signatures.push(signature);
         }
         let signatures = trials.iter().map(|trial| own(&self.signatures, trial)).collect::<Option<_>>()?;

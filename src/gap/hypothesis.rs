@@ -2,7 +2,7 @@
 
 use crate::gap::ids::{CandidateId, PerRun, RunId, SignatureId};
 use crate::gap::observation::Observation;
-use crate::gap::screen::{Explained, Signatures, explain};
+use crate::gap::signature::{Explained, Signatures, explain};
 use crate::gap::simulator::{Applied, Candidates, Request};
 use nalgebra::DMatrix;
 use nalgebra::DVector;

@@ -5,7 +5,7 @@ use super::comparison::Comparison;
 use super::hypothesis::{Fitted, norm_squared, room, stepped};
 use super::ids::{CandidateId, PerRun};
 use super::scored::Scored;
-use super::screen::explain;
+use super::signature::explain;
 use super::simulator::Request;
 use nalgebra::DVector;
 
@@ -79,8 +79,8 @@ mod tests {
     use crate::gap::hypothesis::Hypothesis;
     use crate::gap::ids::{Id, RunId, SignatureId};
     use crate::gap::observation::Observation;
-    use crate::gap::screen::Signature;
     use crate::gap::settings::Settings;
+    use crate::gap::signature::Signature;
     use crate::gap::simulator::{Applied, Candidate, Candidates, Context, Frame, Simulator};
 
     const FEATURES: usize = 80;

@@ -35,6 +35,7 @@ mod second;
 pub mod settings;
 mod several_places;
 mod shape;
+mod signature;
 mod significance;
 mod simulator;
 mod sizes;

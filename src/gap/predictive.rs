@@ -14,7 +14,7 @@ use super::hypothesis::room;
 use super::ids::{PerRun, RunId};
 use super::observation::Observation;
 use super::scored::Scored;
-use super::screen::explain;
+use super::signature::explain;
 use super::simulator::Frame;
 use nalgebra::DVector;
 

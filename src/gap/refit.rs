@@ -2,8 +2,8 @@
 
 use super::ids::{CandidateId, PerRun, RunId};
 use super::observation::Observation;
-use super::screen::{Signatures, explain};
 use super::settings::Refitting;
+use super::signature::{Signatures, explain};
 use super::simulator::{Candidates, Context};
 use super::tune::{Tuned, Tuner};
 use crate::gap::hypothesis::{Fitted, Hypothesis, norm_squared, room, stepped};

@@ -5,7 +5,8 @@
 use super::comparison::Comparison;
 use super::ids::CandidateId;
 use super::scored::Scored;
-use super::screen::{self, Runs, Signature, Trial};
+use super::screen;
+use super::signature::{Runs, Signature, Trial, keep, take};
 use super::simulator::Context;
 use super::tune::Tuner;
 use crate::gap::hypothesis::{Fitted, Hypothesis};
@@ -63,7 +64,7 @@ impl Comparison<'_> {
             let change = tuned.changes.iter().map(|run| run.iter().map(|x| x / size).collect()).collect();
             let columns = tuned.found.iter().map(|column| column / size).collect();
             let signature = Signature { size, change, columns, ..self.signatures[hypothesis.signatures[0]].clone() };
-            screen::keep(&mut self.signatures, signature, &left);
+            keep(&mut self.signatures, signature, &left);
         }
     }
 
@@ -111,9 +112,9 @@ impl Comparison<'_> {
         }
         let left = leader.map_or_else(|| self.residuals(), |j| j.fitted.residuals.clone());
         let of = trials.len();
-        let taken = screen::take(self.context(), &self.observations, &trials, Runs::All, &mut |done| tell(done, of));
+        let taken = take(self.context(), &self.observations, &trials, Runs::All, &mut |done| tell(done, of));
         for (signature, _) in taken.into_iter().filter(|(_, whole)| *whole) {
-            screen::keep(&mut self.signatures, signature, &left);
+            keep(&mut self.signatures, signature, &left);
         }
     }
 
@@ -142,7 +143,7 @@ impl Comparison<'_> {
         for signature in screen::signatures(self.context(), &self.observations, left, others, tell) {
             // What could not be simulated tells nothing.
             if signature.change.iter().all(|run| run.iter().any(|x| *x != 0.0)) {
-                screen::keep(&mut self.signatures, signature, left);
+                keep(&mut self.signatures, signature, left);
             }
         }
     }
@@ -174,7 +175,7 @@ impl Comparison<'_> {
             }
         }
         let trials: Vec<Trial> = ways.iter().map(|(.., trial)| *trial).collect();
-        let taken = screen::take(self.context(), &self.observations, &trials, Runs::All, &mut |_| {});
+        let taken = take(self.context(), &self.observations, &trials, Runs::All, &mut |_| {});
         let mut found = Vec::new();
         for ((hypothesis, k, _), (signature, _)) in ways.iter().zip(taken).filter(|(_, (_, whole))| *whole) {
             let mut hypothesis = (*hypothesis).clone();

@@ -8,7 +8,7 @@
 
 use super::ids::PerRun;
 use super::observation::{self, Observation};
-use super::screen::{Signatures, explain};
+use super::signature::{Signatures, explain};
 use super::simulator::{Candidates, Context, Laps, Request};
 use crate::gap::hypothesis::Fitted;
 use nalgebra::{DMatrix, DVector};

@@ -4,7 +4,7 @@
 use super::comparison::Comparison;
 use super::ids::CandidateId;
 use super::scored::{self, Scored};
-use super::screen::{Explained, explain};
+use super::signature::{Explained, explain};
 use crate::base::parallel;
 use crate::gap::hypothesis::{Fitted, Hypothesis, room, stepped};
 use std::collections::BTreeSet;

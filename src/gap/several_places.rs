@@ -7,7 +7,7 @@ use super::hypothesis::{Fitted, Hypothesis, norm_squared};
 use super::ids::PerRun;
 use super::relinearisation::{at_alternatives, turned};
 use super::scored::Scored;
-use super::screen::{self, Explained, Runs, Signature, Trial, explain};
+use super::signature::{Explained, Runs, Signature, Trial, explain, take};
 use nalgebra::DVector;
 
 impl Comparison<'_> {
@@ -42,7 +42,7 @@ impl Comparison<'_> {
         }
         let mut trials = at_alternatives(self.context(), signature, size);
         trials.push(turned(self.context(), signature, size));
-        let taken = screen::take(self.context(), &self.observations, &trials, Runs::All, &mut |_| {});
+        let taken = take(self.context(), &self.observations, &trials, Runs::All, &mut |_| {});
         let mut taken: Vec<Signature> =
             taken.into_iter().filter(|(_, whole)| *whole).map(|(signature, _)| signature).collect();
         taken.sort_by(|a, b| b.explains(&first.residuals).total_cmp(&a.explains(&first.residuals)));
@@ -77,7 +77,7 @@ impl Comparison<'_> {
         let mut trials = at_alternatives(self.context(), &first, size);
         trials.push(Trial { size, ..first.trial() });
         trials.retain(|trial| trial.size * size > 0.0 && trial.candidate != own.candidate);
-        let taken = screen::take(self.context(), &self.observations, &trials, Runs::All, &mut |_| {});
+        let taken = take(self.context(), &self.observations, &trials, Runs::All, &mut |_| {});
         let shapes = taken.into_iter().filter(|(_, whole)| *whole).map(|(shape, _)| {
             let explained = self.with_shape(fitted, member, &shape);
             (shape, explained)

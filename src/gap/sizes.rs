@@ -3,8 +3,8 @@
 
 use super::ids::{PerRun, RunId};
 use super::observation::{Observation, most_off};
-use super::screen::{Runs, Signature, Trial, take};
 use super::settings::Screening;
+use super::signature::{Runs, Signature, Trial, take};
 use super::simulator::{Candidates, Context};
 use crate::base::trig;
 use nalgebra::DVector;
@@ -69,8 +69,8 @@ pub fn sized(
     let ladders = Ladders { context, observations, run, left: &left[run], firsts };
     ladders.climb(&mut all, one_sign.into_iter().map(|k| (k, Sign::Plus)).collect(), tell);
     // What has two signs begins where it is small, as signs differ there. Where it is large it may do something else,
-    // which is looked for where nothing explains most of what is left.
-    if large && !all.iter().any(|one| ladders.leads(one)) {
+    // which is looked for unless something explains nearly all that is left.
+    if large && !all.iter().any(|one| ladders.explains(one)) {
         ladders.climb(&mut all, signed.into_iter().flat_map(|k| [(k, Sign::Plus), (k, Sign::Minus)]).collect(), tell);
     }
     all
@@ -121,13 +121,13 @@ impl Ladders<'_> {
         }
     }
 
-    /// Whether it explains most of what is left.
-    fn leads(&self, one: &Sized) -> bool {
+    /// Whether it explains nearly all that is left.
+    fn explains(&self, one: &Sized) -> bool {
         let Some(signature) = &one.signature else { return false };
         let (column, gap) = (&signature.columns[self.run], self.left.norm_squared());
         let along = column.dot(self.left);
         let explained = along * along / column.norm_squared().max(1e-300);
-        gap - explained < self.context.settings.relinearisation.leads * gap
+        gap - explained < self.context.settings.screening.explained * gap
     }
 }
 
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn where_something_explains_most_strengths_stay_small() {
+    fn where_something_explains_all_strengths_stay_small() {
         let size = taken([0.0, 30.0]);
         assert!(size.abs() < 1.5, "{size}");
     }

@@ -6,7 +6,7 @@ use super::hypothesis::Hypothesis;
 use super::ids::{CandidateId, SignatureId};
 use super::relinearisation::again;
 use super::scored::Scored;
-use super::screen::{self, Runs, Trial};
+use super::signature::{Runs, Trial, keep, take};
 use std::collections::BTreeSet;
 
 impl Comparison<'_> {
@@ -21,10 +21,10 @@ impl Comparison<'_> {
             }
             let of = trials.len();
             let mut told = |done| tell(done, of);
-            let taken = screen::take(self.context(), &self.observations, &trials, Runs::All, &mut told);
+            let taken = take(self.context(), &self.observations, &trials, Runs::All, &mut told);
             let left = self.residuals();
             for (signature, _) in taken.into_iter().filter(|(_, whole)| *whole) {
-                screen::keep(&mut self.signatures, signature, &left);
+                keep(&mut self.signatures, signature, &left);
             }
         }
     }

@@ -4,8 +4,8 @@
 
 use super::ids::{CandidateId, PerRun, RunId};
 use super::observation::Observation;
-use super::screen::{Signature, Signatures, explain};
 use super::settings::Settings;
+use super::signature::{Signature, Signatures, explain};
 use super::simulator::{Band, Request, Simulator};
 use crate::gap::hypothesis::{Hypothesis, norm_squared, room, stepped};
 use nalgebra::DVector;

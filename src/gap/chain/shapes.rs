@@ -10,7 +10,7 @@ use crate::chain_input::DeclaredEffect;
 use crate::gap::hypothesis::norm_squared;
 use crate::gap::ids::{CandidateId, Id, PerRun, RunId};
 use crate::gap::observation::{Observation, most_off};
-use crate::gap::screen::explain;
+use crate::gap::signature::explain;
 use crate::gap::simulator::Strength;
 use nalgebra::DVector;
 

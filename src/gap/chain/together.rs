@@ -10,7 +10,7 @@ use crate::chain_input::DeclaredEffect;
 use crate::effects::named;
 use crate::gap::hypothesis::{norm_squared, room_near, stepped};
 use crate::gap::ids::{List, PerRun};
-use crate::gap::screen::explain;
+use crate::gap::signature::explain;
 use nalgebra::DVector;
 
 /// One of the strengths, in one of the effects.

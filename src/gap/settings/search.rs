@@ -23,6 +23,10 @@ settings! {
         rungs: usize = 6, "–", Chosen("a fit that begins far off ends far off; the cost grows with them");
         /// Share of the squares that may be left where such a strength is taken.
         rung_left: f64 = 0.98, "–", Chosen("less than what chance explains is no reason to leave the first size");
+        /// Share of the squares that is left at most where an effect explains so much that no large strengths of either
+        /// sign are tried.
+        explained: f64 = 0.1, "–", Chosen("a load on other carts may have nearly any shape, and explained half of what \
+            another curve did");
         /// No larger strength is tried where so many times the squares are left.
         overshot: f64 = 3.0, "–", Chosen("beyond it an effect does far more than there is to explain");
         /// Mean square over that of replicate laps from which on signatures of all runs are taken only of what tells
