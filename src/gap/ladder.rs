@@ -75,55 +75,29 @@ impl Comparison<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::random::normal;
     use crate::gap::hypothesis::Hypothesis;
-    use crate::gap::ids::{Id, RunId, SignatureId};
+    use crate::gap::ids::{Id, SignatureId};
     use crate::gap::observation::Observation;
     use crate::gap::settings::Settings;
     use crate::gap::signature::Signature;
-    use crate::gap::simulator::{Applied, Candidate, Candidates, Context, Frame, Simulator};
-
-    const FEATURES: usize = 80;
-
-    /// `even` is in proportion to its strength. `play` does a little of the same while it is small, and beyond 5 something
-    /// else.
-    struct Threshold {
-        candidates: Candidates,
-        frames: PerRun<Frame>,
-    }
+    use crate::gap::simulator::{Candidate, Context};
+    use crate::gap::two_effects::{FEATURES, TwoEffects};
 
     fn even(k: usize) -> f64 {
         if k < 40 { 1.0 } else { 0.0 }
     }
 
+    /// `even` is in proportion to its strength. `play` does a little of the same while it is small, and beyond 5 something
+    /// else.
     fn done(strengths: [f64; 2], k: usize) -> f64 {
         let [first, play] = strengths;
         (first + 0.3 * play.min(5.0)) * even(k) + (play - 5.0).max(0.0) * (1.0 - even(k))
     }
 
-    impl Simulator for Threshold {
-        fn candidates(&self) -> &Candidates {
-            &self.candidates
-        }
-
-        fn frames(&self) -> &PerRun<Frame> {
-            &self.frames
-        }
-
-        fn simulate(&self, _: RunId, _: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
-            let of = |n: usize| effects.iter().find(|e| e.candidate.index() == n).map_or(0.0, |e| e.strengths[0]);
-            Some((0..FEATURES).map(|k| done([of(0), of(1)], k)).collect())
-        }
-    }
-
     #[test]
     fn a_threshold_is_met_from_far_below() {
-        let mut state = 4;
-        let mut noise = || (0..FEATURES).map(|_| normal(&mut state)).collect::<Vec<f64>>();
-        let measured = noise().iter().enumerate().map(|(k, x)| x + done([6.0, 9.0], k)).collect();
-        let frames: PerRun<Frame> = vec![Frame::bare(measured, (0..40).map(|_| noise()).collect())].into();
         let candidate = |effect: &str| Candidate::bare(effect, 1.0, (0.0, 20.0));
-        let model = Threshold { candidates: vec![candidate("even"), candidate("play")].into(), frames };
+        let model = TwoEffects::new([candidate("even"), candidate("play")], done, [6.0, 9.0], 4);
         let settings = Settings::default();
         let observations: PerRun<Observation> =
             model.frames.iter().map(|frame| Observation::new(frame, &[], &settings)).collect();

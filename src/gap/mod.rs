@@ -41,6 +41,8 @@ mod simulator;
 mod sizes;
 mod strengths_beside;
 mod tune;
+#[cfg(test)]
+mod two_effects;
 mod untested;
 mod words;
 

@@ -37,12 +37,9 @@ pub fn sized(
     let mut all: Vec<Sized> = firsts.iter().map(|trial| Sized { trial: *trial, signature: None }).collect();
     // What is there of an effect where hardly a gap is has no strength far from the first.
     let large = observations[run].mean_square(&left[run]) >= settings.selects_from;
-    let (few, mut open): (Vec<usize>, Vec<usize>) =
-        (0..all.len()).partition(|k| large && few(candidates, firsts[*k], settings.few_places));
+    let few = |k: &usize| large && few(candidates, firsts[*k], settings.few_places);
     let signed = |k: &usize| candidates[firsts[*k].candidate].strengths[firsts[*k].strength].low < 0.0;
-    let (signed, one_sign): (Vec<usize>, Vec<usize>) = few.into_iter().partition(signed);
-    open.extend(&signed);
-    open.sort_unstable();
+    let (one_sign, mut open): (Vec<usize>, Vec<usize>) = (0..all.len()).partition(|k| few(k) && !signed(k));
     for _ in 0..settings.resizings {
         let now: Vec<Trial> = open.iter().map(|k| all[*k].trial).collect();
         let before = all.len() - open.len();
@@ -66,12 +63,13 @@ pub fn sized(
         }
         open = again;
     }
-    let ladders = Ladders { context, observations, run, left: &left[run], firsts };
+    let ladders = Ladders { context, observations, run, left, firsts };
     ladders.climb(&mut all, one_sign.into_iter().map(|k| (k, Sign::Plus)).collect(), tell);
     // What has two signs begins where it is small, as signs differ there. Where it is large it may do something else,
     // which is looked for unless something explains nearly all that is left.
     if large && !all.iter().any(|one| ladders.explains(one)) {
-        ladders.climb(&mut all, signed.into_iter().flat_map(|k| [(k, Sign::Plus), (k, Sign::Minus)]).collect(), tell);
+        let both = (0..all.len()).filter(|k| few(k) && signed(k)).flat_map(|k| [(k, Sign::Plus), (k, Sign::Minus)]);
+        ladders.climb(&mut all, both.collect(), tell);
     }
     all
 }
@@ -81,7 +79,7 @@ struct Ladders<'a> {
     context: Context<'a>,
     observations: &'a PerRun<Observation>,
     run: RunId,
-    left: &'a DVector<f64>,
+    left: &'a PerRun<DVector<f64>>,
     firsts: &'a [Trial],
 }
 
@@ -91,6 +89,7 @@ impl Ladders<'_> {
     fn climb(&self, all: &mut [Sized], mut open: Vec<(usize, Sign)>, tell: &mut dyn FnMut(usize)) {
         let Ladders { context, observations, run, left, firsts } = *self;
         let (settings, candidates) = (&context.settings.screening, context.simulator.candidates());
+        let left = &left[run];
         let gap = left.norm_squared();
         let nothing = settings.rung_left * gap;
         let mut least = vec![nothing; all.len()];
@@ -123,10 +122,8 @@ impl Ladders<'_> {
 
     /// Whether it explains nearly all that is left.
     fn explains(&self, one: &Sized) -> bool {
-        let Some(signature) = &one.signature else { return false };
-        let (column, gap) = (&signature.columns[self.run], self.left.norm_squared());
-        let along = column.dot(self.left);
-        let explained = along * along / column.norm_squared().max(1e-300);
+        let explained = one.signature.as_ref().map_or(0.0, |signature| signature.explains(self.left));
+        let gap = self.left[self.run].norm_squared();
         gap - explained < self.context.settings.screening.explained * gap
     }
 }
@@ -175,49 +172,22 @@ fn asked(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::random::normal;
     use crate::gap::ids::{CandidateId, Id};
     use crate::gap::settings::Settings;
-    use crate::gap::simulator::{Applied, Candidate, Candidates, Frame, Simulator};
-
-    const FEATURES: usize = 80;
+    use crate::gap::simulator::Candidate;
+    use crate::gap::two_effects::TwoEffects;
 
     /// `moved` moves waves along, the later ones farther, as another length of the track does; `level` is in proportion to
     /// its strength.
-    struct Waves {
-        candidates: Candidates,
-        frames: PerRun<Frame>,
-    }
-
     fn done([moved, level]: [f64; 2], k: usize) -> f64 {
         let wave = |x: f64| 20.0 * trig::sin(0.5 * k as f64 + x * (1.0 + k as f64 / 40.0));
         wave(moved) - wave(0.0) + level
     }
 
-    impl Simulator for Waves {
-        fn candidates(&self) -> &Candidates {
-            &self.candidates
-        }
-
-        fn frames(&self) -> &PerRun<Frame> {
-            &self.frames
-        }
-
-        fn simulate(&self, _: RunId, _: &[f64], effects: &[Applied]) -> Option<Vec<f64>> {
-            let of = |n: usize| effects.iter().find(|e| e.candidate.index() == n).map_or(0.0, |e| e.strengths[0]);
-            Some((0..FEATURES).map(|k| done([of(0), of(1)], k)).collect())
-        }
-    }
-
     /// Of what is measured, the size at which `moved` is taken.
     fn taken(truth: [f64; 2]) -> f64 {
-        let mut state = 7;
-        let mut noise = || (0..FEATURES).map(|_| normal(&mut state)).collect::<Vec<f64>>();
-        let measured = noise().iter().enumerate().map(|(k, x)| x + done(truth, k)).collect();
-        let frames: PerRun<Frame> = vec![Frame::bare(measured, (0..40).map(|_| noise()).collect())].into();
-        let candidates =
-            vec![Candidate::bare("moved", 0.1, (-10.0, 10.0)), Candidate::bare("level", 0.1, (-50.0, 50.0))].into();
-        let (model, settings) = (Waves { candidates, frames }, Settings::default());
+        let candidates = [Candidate::bare("moved", 0.1, (-10.0, 10.0)), Candidate::bare("level", 0.1, (-50.0, 50.0))];
+        let (model, settings) = (TwoEffects::new(candidates, done, truth, 7), Settings::default());
         let observations: PerRun<Observation> =
             model.frames.iter().map(|f| Observation::new(f, &[], &settings)).collect();
         let left: PerRun<DVector<f64>> = observations.iter().map(|o| o.residual.clone()).collect();
