@@ -71,12 +71,13 @@ fn placed(band: Band) -> bool {
     matches!(band, Band::Track | Band::Fluctuation)
 }
 
-/// The kind of deviation with most of a channel's share, of those that can be drawn as a curve.
+/// The kind of deviation with most of a channel's share, of those that can be drawn as a curve: features of one unit, and
+/// so not slow changes, which are powers and a mean.
 fn band(frames: &PerRun<Frame>, places: &[GapPlace], channel: &str) -> Option<Band> {
     let mut shares: BTreeMap<&str, f64> = BTreeMap::new();
     let own = places.iter().filter(|p| p.channel == channel);
     own.for_each(|p| *shares.entry(&p.band).or_default() += p.share);
-    let drawn = |band: &Band| frames.iter().any(|f| rows(f, channel, *band).len() > 1);
+    let drawn = |band: &Band| *band != Band::Drift && frames.iter().any(|f| rows(f, channel, *band).len() > 1);
     let share = |band: &Band| shares.get(band.name()).copied().unwrap_or(0.0);
     Band::ALL.into_iter().filter(drawn).max_by(|a, b| share(a).total_cmp(&share(b)))
 }
@@ -105,4 +106,27 @@ fn rows(frame: &Frame, channel: &str, band: Band) -> Vec<usize> {
         rows.sort_by_key(|k| labels[*k].from);
     }
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gap::simulator::Label;
+
+    #[test]
+    fn features_of_several_units_are_not_drawn_as_a_curve() {
+        let mut frame = Frame::bare(vec![0.0; 6], vec![vec![1.0; 6], vec![-1.0; 6]]);
+        let label = |(k, (channel, band)): (usize, (&str, Band))| Label {
+            channel: channel.to_owned(),
+            band,
+            index: k,
+            from: 0,
+            to: 1000,
+        };
+        let bands = [("speed", Band::Drift), ("steer_left", Band::Drift), ("steer_left", Band::Cart)];
+        frame.labels = bands.into_iter().flat_map(|own| [own; 2]).enumerate().map(label).collect();
+        let frames: PerRun<Frame> = vec![frame].into();
+        assert_eq!(band(&frames, &[], "speed"), None);
+        assert_eq!(band(&frames, &[], "steer_left"), Some(Band::Cart));
+    }
 }
