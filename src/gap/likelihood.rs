@@ -55,6 +55,13 @@ impl Likelihood {
         self.log_likelihood(1.0 + left, degrees_of_freedom) - cost(self.unknown_strengths, degrees_of_freedom)
     }
 
+    /// Probabilities as they are reported: of some diagnoses the runs say no more than the priors did, whatever the
+    /// likelihoods are, as no hypothesis is what the machine does: a linear pool of both (Stone 1961) that is right as
+    /// often as it says (Dawid 1982). Both sum to 1.
+    pub fn calibrated(&self, posterior: &[f64], prior: &[f64]) -> Vec<f64> {
+        posterior.iter().zip(prior).map(|(after, before)| after + self.misled * (before - after)).collect()
+    }
+
     /// What patterns by chance that leave so much of a gap say too much for something unknown, which leaves its share
     /// beyond the repeatability.
     pub fn strange(&self, gap: f64, left: f64, degrees_of_freedom: f64) -> f64 {
@@ -90,6 +97,17 @@ mod tests {
         assert_eq!(settings.wrong_way(-1.5, 1.0), 2.0);
         assert_eq!(settings.wrong_way(-9.0, 9.0), settings.wrong_impact);
         assert!(settings.wrong_way(f64::NAN, 1.0) == 0.0);
+    }
+
+    #[test]
+    fn what_is_certain_is_reported_as_often_as_certain_diagnoses_are_right() {
+        let settings = Likelihood::default();
+        let reported = settings.calibrated(&[1.0, 0.0, 0.0], &[0.5, 0.3, 0.2]);
+        assert!((reported[0] - (1.0 - 0.5 * settings.misled)).abs() < 1e-12);
+        assert!((reported[1] - 0.3 * settings.misled).abs() < 1e-12);
+        assert!((reported.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        // What the runs say nothing of is as likely as before.
+        assert_eq!(settings.calibrated(&[0.25, 0.75], &[0.25, 0.75]), [0.25, 0.75]);
     }
 
     #[test]

@@ -18,6 +18,7 @@ use super::{likelihood, words};
 use crate::base::number::tidy;
 use crate::base::trig;
 use nalgebra::DVector;
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The answer. Hypotheses of which a member may be absent are not held as such: a pair without one of its members is
@@ -48,14 +49,7 @@ struct Choice {
 
 fn choose(compared: &Compared, untested: &[Untested]) -> Choice {
     let settings = compared.comparison.likelihood();
-    let logs = [
-        trig::ln(settings.prior_none)
-            + settings.log_likelihood(compared.comparison.mean_square, compared.comparison.degrees_of_freedom),
-        compared.unknown,
-    ];
-    let log_posteriors: Vec<f64> =
-        logs.into_iter().chain(once(compared)).chain(untested.iter().map(|u| u.log_posterior)).collect();
-    let probability = likelihood::normalised(&log_posteriors);
+    let probability = probabilities(compared, untested);
     let (none, unknown) = (probability[0], probability[1]);
     let (scored, untested) = probability[2..].split_at(compared.scored.len());
     let count = |j: &Scored| compared.comparison.effects(&j.fitted.hypothesis).len();
@@ -90,6 +84,22 @@ fn choose(compared: &Compared, untested: &[Untested]) -> Choice {
     let absent = named.and_then(|(first, fitted)| [fitted, first].into_iter().find(|k| may_lack(compared, *k)));
     let (scored, untested) = (scored.to_vec(), untested.to_vec());
     Choice { verdict, none, unknown, scored, untested, shown: chosen.map(|(_, k)| k), absent }
+}
+
+/// As they are reported: of no gap, something unknown, each hypothesis, and each effect that was not tested.
+fn probabilities(compared: &Compared, untested: &[Untested]) -> Vec<f64> {
+    let comparison = &compared.comparison;
+    let settings = comparison.likelihood();
+    let none = trig::ln(settings.prior_none);
+    // Each before the runs and after them. What does not count after them did not count before.
+    let of_none = (none, none + settings.log_likelihood(comparison.mean_square, comparison.degrees_of_freedom));
+    let of_unknown = (trig::ln(settings.prior_unknown), compared.unknown);
+    let before = |j: &Scored, after: f64| if after.is_finite() { j.terms.prior } else { after };
+    let tested = compared.scored.iter().zip(once(compared)).map(|(j, after)| (before(j, after), after));
+    let untested = untested.iter().map(|u| (u.prior, u.log_posterior));
+    let each = [of_none, of_unknown].into_iter().chain(tested).chain(untested);
+    let (before, after): (Vec<f64>, Vec<f64>) = each.unzip();
+    settings.calibrated(&likelihood::normalised(&after), &likelihood::normalised(&before))
 }
 
 /// The effect that explains most by the runs alone, at whichever of its places: where none is believed, what was
@@ -141,16 +151,13 @@ fn told(compared: &Compared, choice: &Choice, untested: &[Untested], lost: Vec<L
             finding
         })
         .collect();
-    // Of effects that are equally sure, the one that closes more alone comes first.
+    // Of effects that are equally sure to be there, the one that closes more alone comes first.
     let left = |f: &Finding| alone(compared, &f.name).map_or(f64::INFINITY, |k| compared.scored[k].mean_square);
-    let sure = |f: &Finding| (20.0 * f.probability).round();
+    let present = |f: &Finding| f.probability >= compared.comparison.likelihood().told;
+    let sure = |f: &Finding| if present(f) { (20.0 * f.probability).round() / 20.0 } else { f.probability };
     effects.sort_by(|a, b| {
-        let by = sure(b).total_cmp(&sure(a)).then(if sure(a) > 0.0 {
-            left(a).total_cmp(&left(b))
-        } else {
-            std::cmp::Ordering::Equal
-        });
-        by.then(b.probability.total_cmp(&a.probability))
+        let closes = if present(a) && present(b) { left(a).total_cmp(&left(b)) } else { Ordering::Equal };
+        sure(b).total_cmp(&sure(a)).then(closes).then(b.probability.total_cmp(&a.probability))
     });
     let groups = groups(compared, &mut effects);
     let verdict = choice.verdict;

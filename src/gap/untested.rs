@@ -17,6 +17,8 @@ use std::collections::BTreeMap;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Untested {
     pub candidate: CandidateId,
+    /// Log prior.
+    pub prior: f64,
     /// Log posterior.
     pub log_posterior: f64,
 }
@@ -42,9 +44,9 @@ impl Compared<'_> {
         let best = self.best_likelihood();
         let weighed = |(candidate, strengths): (CandidateId, usize)| {
             let alone = Hypothesis { members: vec![candidate], signatures: Vec::new() };
-            let log_posterior = self.comparison.prior(&alone) + best
-                - likelihood::cost(strengths as f64, self.comparison.degrees_of_freedom);
-            Untested { candidate, log_posterior }
+            let prior = self.comparison.prior(&alone);
+            let cost = likelihood::cost(strengths as f64, self.comparison.degrees_of_freedom);
+            Untested { candidate, prior, log_posterior: prior + best - cost }
         };
         lacking.into_iter().map(weighed).collect()
     }

@@ -11,6 +11,9 @@ use std::fmt::Write;
 /// Effects that are listed.
 const LISTED: usize = 6;
 
+/// Probability from which they are: each has its share of what the runs say nothing of.
+const LISTED_FROM: f64 = 0.005;
+
 /// Places that are listed of what is left.
 const LEFT: usize = 4;
 
@@ -72,7 +75,7 @@ pub fn text(found: &Diagnosis) -> String {
         }
         out.push('\n');
     };
-    for finding in found.effects.iter().take(LISTED).filter(|f| f.probability > 0.0005) {
+    for finding in found.effects.iter().take(LISTED).filter(|f| f.probability > LISTED_FROM) {
         row(&mut out, &finding.name, finding.probability, Some(finding));
     }
     row(&mut out, "no gap", found.none_probability, None);
