@@ -3,8 +3,9 @@
 python3 benches/gap/reliability.py
 
 Reads the tables "said | mean | came true" of the records: each row has the mean of n stated probabilities and how many of the n
-came true. Prints them together, and of each half (challenge 10; 14 and 15) the share of diagnoses that fits best of which the
-runs say no more than the prior did, with the log score of the other half without and with it (smaller is better).
+came true. Prints them together, and of each half (challenge 10; 14 and 15) the weight of the prior in a pool of prior and posterior
+that fits best, with the log score of the other half without and with it (smaller is better). A row counts as if all of it had been
+said with its mean.
 """
 
 import math
@@ -29,11 +30,11 @@ def wilson(hits, of, z=1.96):
     return [(share + spread / 2 + sign * half) / (1 + spread) for sign in (-1, 1)]
 
 
-def log_score(challenges, misled):
+def log_score(challenges, weight):
     total = 0.0
     for challenge in challenges:
         for _, said, hits, of in rows(challenge):
-            reported = said + misled * (PRIOR - said)
+            reported = said + weight * (PRIOR - said)
             total -= hits * math.log(reported) + (of - hits) * math.log(1 - reported)
     return total
 
@@ -48,9 +49,9 @@ def main():
     for said, (total, hits, of) in sorted(together.items()):
         low, high = wilson(hits, of)
         print(f"| {said} | {total / of:.3f} | {hits} of {of}, {100 * hits / of:.1f} % | {100 * low:.1f} to {100 * high:.1f} % |")
-    print("\n| fitted to | share | log score of the others without it | with it |\n| --- | --- | --- | --- |")
+    print("\n| fitted to | weight | log score of the others without it | with it |\n| --- | --- | --- | --- |")
     for half, others in (HALVES, HALVES[::-1]):
-        best = min((k / 1000 for k in range(301)), key=lambda misled: log_score(half, misled))
+        best = min((k / 1000 for k in range(301)), key=lambda weight: log_score(half, weight))
         print(f"| {', '.join(half)} | {best:.3f} | {log_score(others, 0.0):.1f} | {log_score(others, best):.1f} |")
 
 

@@ -59,7 +59,7 @@ impl Likelihood {
     /// likelihoods are, as no hypothesis is what the machine does: a linear pool of both (Stone 1961) that is right as
     /// often as it says (Dawid 1982). Both sum to 1.
     pub fn calibrated(&self, posterior: &[f64], prior: &[f64]) -> Vec<f64> {
-        posterior.iter().zip(prior).map(|(after, before)| after + self.misled * (before - after)).collect()
+        posterior.iter().zip(prior).map(|(after, before)| after + self.prior_weight * (before - after)).collect()
     }
 
     /// What patterns by chance that leave so much of a gap say too much for something unknown, which leaves its share
@@ -103,8 +103,8 @@ mod tests {
     fn what_is_certain_is_reported_as_often_as_certain_diagnoses_are_right() {
         let settings = Likelihood::default();
         let reported = settings.calibrated(&[1.0, 0.0, 0.0], &[0.5, 0.3, 0.2]);
-        assert!((reported[0] - (1.0 - 0.5 * settings.misled)).abs() < 1e-12);
-        assert!((reported[1] - 0.3 * settings.misled).abs() < 1e-12);
+        assert!((reported[0] - (1.0 - 0.5 * settings.prior_weight)).abs() < 1e-12);
+        assert!((reported[1] - 0.3 * settings.prior_weight).abs() < 1e-12);
         assert!((reported.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         // What the runs say nothing of is as likely as before.
         assert_eq!(settings.calibrated(&[0.25, 0.75], &[0.25, 0.75]), [0.25, 0.75]);

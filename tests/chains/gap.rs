@@ -35,13 +35,16 @@ fn one_effect_is_named_with_its_strength_and_place() {
 /// However clear the runs are, a share of diagnoses says no more than the priors, and effects are in the order of their
 /// probabilities.
 fn assert_reported_as_sealed_cases_were_right(found: &Diagnosis) {
-    let misled = 0.055;
+    let prior_weight = 0.055;
     let probabilities: Vec<f64> = found.effects.iter().map(|f| f.probability).collect();
-    assert!(probabilities.iter().all(|p| *p < 1.0 - 0.5 * misled), "{probabilities:?}");
+    assert!(probabilities.iter().all(|p| *p < 1.0 - 0.5 * prior_weight), "{probabilities:?}");
     assert!(probabilities.is_sorted_by(|a, b| a >= b), "{probabilities:?}");
     // Their priors of 0.2 and 0.15, of what was compared.
     let (none, unknown) = (found.none_probability, found.unknown_probability);
-    assert!(none > 0.2 * misled && unknown > 0.15 * misled && none + unknown < 0.5 * misled, "{none} {unknown}");
+    assert!(
+        none > 0.2 * prior_weight && unknown > 0.15 * prior_weight && none + unknown < 0.5 * prior_weight,
+        "{none} {unknown}"
+    );
 }
 
 #[test]

@@ -29,9 +29,9 @@ settings! {
         score_cost: f64 = 2.0, "–", Chosen("about half the logarithm of a range of some hundred deviations");
         /// A pair is told where each of its effects has this probability.
         told: f64 = 0.5, "–", Chosen("likelier present than not");
-        /// Share of diagnoses of which the runs say no more than the priors did, whatever the likelihoods are.
-        misled: f64 = 0.055, "–", Measured("fits the 120 cases of challenge 10 best; the 120 of 14 and 15 were held \
-            back (`python3 benches/gap/reliability.py`)");
+        /// Weight of the priors in what is reported: a share of diagnoses of which the runs say no more than these.
+        prior_weight: f64 = 0.055, "–", Measured("fits the 120 cases of challenge 10 best; the 120 of 14 and 15 were \
+            held back (`python3 benches/gap/reliability.py`)");
         /// Prior of no gap.
         prior_none: f64 = 0.2, "–", Chosen("a guess before any case; sealed challenges, made later, have 15 % of \
             these");
